@@ -1,6 +1,7 @@
 """Makes docs/names.md: every public name by chapter, and the words of arguments. Run it when a name is new.
 
-Classes of results that files hold get their lines in results.pyi, and methods theirs in methods.pyi.
+Classes of results that files hold get their lines in results.pyi, methods theirs in methods.pyi, and functions that
+make results theirs in the stubs of the chapters of `CHAPTER`.
 
 python docs/public_names.py
 """
@@ -8,10 +9,12 @@ python docs/public_names.py
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Iterator
 from dataclasses import is_dataclass
 from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from types import ModuleType
 from typing import Any
 
@@ -23,6 +26,9 @@ from liepoisson.numeric.methods import CHOICES
 PAGE = Path(__file__).with_name("names.md")
 
 RESULTS = Path(lp.__file__).with_name("results.pyi")
+
+CHAPTER = {"indicators": "chaos", "poincare": "sections"}
+"""The chapter of the functions by which the results of a folder are made."""
 
 WORDS = {
     "system": "what is studied: a `System`, a `Top`, a `VectorField`, anything that has a field",
@@ -105,13 +111,23 @@ def saved(base: type = Saved) -> Iterator[type]:
 
 
 def stubs() -> dict[Path, str]:
-    """The texts of results.pyi, with a line for each class that files hold, and of methods.pyi."""
+    """The texts of results.pyi, with a line for each class that files hold, of methods.pyi, and of chapters."""
     for module in chapters().values():
         for name in module.__all__:
             import_module(getattr(getattr(module, name), "__module__", None) or "liepoisson")
+    for folder in CHAPTER:
+        for found in iter_modules(import_module(f"liepoisson.{folder}").__path__, f"liepoisson.{folder}."):
+            import_module(found.name)
+    listed = {"results": {one.__name__: one.__module__ for one in saved()}}
+    listed["methods"] = {one.__name__: one.__module__ for one in CHOICES.values()}
+    for one in saved():
+        chapter = CHAPTER.get(one.__module__.split(".")[1])
+        if chapter and hasattr(sys.modules[one.__module__], maker := getattr(one, "made_by", "")):
+            listed.setdefault(chapter, {})[maker] = one.__module__
     texts: dict[Path, str] = {}
-    for path, classes in ((RESULTS, saved()), (RESULTS.with_name("methods.pyi"), CHOICES.values())):
-        homes = homes_of(str(path)) | {one.__name__: one.__module__ for one in classes}
+    for chapter, names in listed.items():
+        path = RESULTS.with_name(f"{chapter}.pyi")
+        homes = homes_of(str(path)) | names
         lines = [
             f"from {home} import {name} as {name}"
             for home, name in sorted((home, name) for name, home in homes.items())

@@ -34,9 +34,10 @@ DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations\b|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
 NOT_READ = {
-    "algebras.Cochain", "algebras.Derivations", "algebras.LieCohomology", "algebras.LieDeformation",
-    "brackets.CasimirReport", "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate",
-    "brackets.Locus", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
+    "algebras.Closure", "algebras.Cochain", "algebras.Derivations", "algebras.Identification",
+    "algebras.LieCohomology", "algebras.LieDeformation", "brackets.CasimirCertificate", "brackets.CasimirReport",
+    "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus",
+    "brackets.SemiInvariant", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
     "extensions.ChangeOfVariables", "extensions.Classification", "extensions.Deformation", "extensions.LocalFactor",
     "extensions.Obstruction", "extensions.TwistOrbits", "fields.PiecesField", "fields.QuadraticField",
     "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry", "sweeps.SweepSpec.of_record", "sweeps.sweep",
@@ -168,7 +169,7 @@ def rows():
 
 
 def _of_algebras(add):
-    so3, e3 = lp.so(3), E3.coordinate_names_in_order
+    so3 = lp.so(3)
     add(
         "algebras.LieAlgebra", "structure_constants:o basis_names:o", structure_constants=so3.structure_constants,
         basis_names=["a", "b", "c"],
@@ -186,6 +187,10 @@ def _of_algebras(add):
         lp.LieAlgebra.from_brackets(2, {(0, 1): {1: "k"}}),
         values={"k": 1},
     )
+    first = lp.algebras.affine(1)
+    add("algebras.LieAlgebra.subalgebra", "vectors:o", first, vectors=[[1, 0]])
+    add("algebras.LieAlgebra.quotient", "ideal:o", first, ideal=[[0, 1]])
+    add("algebras.closure", "generators:o basis_names:o", generators=matrices, basis_names=["a", "b"])
     turn = [[[0, 1], [-1, 0]]]
     add(
         "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
@@ -197,14 +202,28 @@ def _of_algebras(add):
     )  # fmt: skip
     add("algebras.cohomology", "coefficients:o", given=lp.algebras.abelian(1), degree=1, coefficients=turn)
     add("algebras.deformation", "cocycle:v", given=lp.algebras.abelian(2), cocycle={("1", "2"): {"1": 1}})
+    _of_brackets(add)
+
+
+def _of_brackets(add):
+    so3, e3 = lp.so(3), E3.coordinate_names_in_order
     add("brackets.Automorphism", "matrix:o", matrix=[[1, 2], [0, 1]])
     add(
-        "brackets.Bracket", "field_names:o constant:v", algebra=so3, extension=lp.trivial(), field_names=["m"],
-        constant={("m1", "m2"): "k"},
+        "brackets.Bracket", "field_names:o constant:v casimirs:w", algebra=so3, extension=lp.trivial(),
+        field_names=["m"], constant={("m1", "m2"): "k"}, casimirs={"C": "dot(m, m) - 2*k*m3"},
     )  # fmt: skip
     for name in ("corank", "frozen", "rank", "translated"):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
     add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(3, "epsilon"), values={"epsilon": 2})
+    add(
+        "brackets.Bracket.with_casimirs",
+        "casimirs:w symbols:o",
+        E3,
+        casimirs={"C": "k*dot(alpha, alpha)"},
+        symbols=["k"],
+    )
+    for name in ("casimir_certificate", "is_casimir"):
+        add(f"brackets.Bracket.{name}", "symbols:o", E3, function="k*alpha1", symbols=["k"])
     add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})
     add(
         "brackets.contraction", "weights:S algebra_weights:S integrals:o", None,
@@ -212,22 +231,39 @@ def _of_algebras(add):
         algebra_weights=[1, 1, 0], integrals=[E3.variables[0]],
     )  # fmt: skip
     add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 0], [0, "t"]])
-    add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
+    add("brackets.canonical", "names:o momenta:o angles:o", names=["x", "y"], momenta=["u", "v"], angles=["y"])
+    flat = lp.PoissonTensor(["x", "y", "z"], {("x", "y"): "cos(z)"})
+    for name, of, angle in (("Bracket", lp.canonical(2), "q2"), ("PoissonTensor", flat, "z")):
+        add(f"brackets.{name}.with_angles", "angles:o", of, angles=[angle])
     cycle = {("x", "y"): "k*x*y", ("y", "z"): "y*z", ("x", "z"): "-x*z"}
     tensor = lp.PoissonTensor(["x", "y", "z"], cycle, symbols=["k"])
     add(
-        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w", variables=["x", "y", "z"],
-        entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"], casimirs={"C": "z"},
+        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w angles:o", angles=["z"],
+        variables=["x", "y", "z"], entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"],
+        casimirs={"C": "z"},
     )  # fmt: skip
     for name in ("corank", "rank"):
         add(f"brackets.PoissonTensor.{name}", "point:N", tensor, tensor.coordinate_names_in_order, point=(1, 2, 3))
     add("brackets.PoissonTensor.substitute", "values:v", tensor, values={"k": 2})
     known = {"C": "log(x) + log(y) + k*log(z)"}
     add("brackets.PoissonTensor.with_casimirs", "casimirs:w symbols:o", tensor, casimirs=known, symbols=["b"])
+    for name in ("casimir_certificate", "is_casimir"):
+        add(f"brackets.PoissonTensor.{name}", "symbols:o", tensor, function="b*x", symbols=["b"])
     bent = {"variables": {"u": "l1", "v": "l2 + l1^2", "w": "l3"}, "inverse": {"l1": "u", "l2": "v - u^2", "l3": "w"}}
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
         turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}
         add(f"brackets.{name}.in_variables", "variables:v inverse:v", given, **(bent if name == "Bracket" else turned))
+    rods = {"C": "x - k", "D": "y*z - b"}
+    pins = {"C": "l1 + b", "D": "l2"}
+    for name, given, constraints in (("Bracket", so3 @ lp.trivial(), pins), ("PoissonTensor", tensor, rods)):
+        add(f"brackets.{name}.dirac_bracket", "constraints:w symbols:o", given, constraints=constraints, symbols=["b"])
+    for name, given, one in (("Bracket", so3 @ lp.trivial(), "l3"), ("PoissonTensor", tensor, "x + z")):
+        parts = {"u": one, "v": f"({one})^2"}
+        add(f"brackets.{name}.in_invariants", "invariants:v levels:v", given, invariants=parts, levels={"L": one})
+    field = {"field": ["k*x", "-k*y", "a1"], "parameters": {"a": [1, 2]}, "symbols": ["k"], "mass": 2, "charge": 3}
+    words = "field:o variables:o parameters:c symbols:o"
+    add("brackets.magnetic", words, **field, variables=["x", "y", "z", "vx", "vy", "vz"])
+    add("brackets.guiding_centre", words, **field, variables=["x", "y", "z", "w"])
     add("brackets.log_canonical", "matrix:o variables:o", matrix=[[0, 1], [-1, 0]], variables=["x", "y"])
     add(
         "brackets.nambu", "variables:o parameters:c symbols:o", casimir="x*y + k*z + a1*x", variables=["x", "y", "z"],
@@ -285,9 +321,9 @@ def _of_systems(add):
     add("systems.Top.heavy", "inertia:N a:N", None, names, inertia=(3, 2.5, 2), a=(1, 0, 3))
     add("systems.Top.free_rigid_body", "inertia:N", None, names, inertia=(3, 2.5, 2))
     add(
-        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:c quadratures:v symbols:o integrals:v",
-        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*x^2/2", parameters={"k": 2}, quadratures={"psi": "p"},
-        integrals={"K": "p^2 + 2*x^2"}, symbols=["m"],
+        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:c quadratures:v symbols:o angles:o integrals:v",
+        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*cos(x)", parameters={"k": 2}, quadratures={"psi": "p"},
+        integrals={"K": "p^2 + 4*cos(x)"}, symbols=["m"], angles=["x"],
     )  # fmt: skip
     add(
         "systems.System", "parameters:c symbols:o integrals:v partial_integrals:v", bracket=E3,
@@ -295,8 +331,8 @@ def _of_systems(add):
         partial_integrals={"P": ("l1", "l2")},
     )  # fmt: skip
     add(
-        "systems.VectorField", "equations:v parameters:c symbols:o integrals:v", equations={"x": "k*y + c", "y": "-x"},
-        parameters={"k": 2}, symbols=["c"], integrals={"K": "x^2 + 2*y^2 + 2*c*y"},
+        "systems.VectorField", "equations:v parameters:c symbols:o angles:o integrals:v", symbols=["c"], angles=["z"],
+        equations={"x": "k*y + c", "y": "-x", "z": "x"}, parameters={"k": 2}, integrals={"K": "x^2 + 2*y^2 + 2*c*y"},
     )  # fmt: skip
     add("systems.CanonicalSystem.invariant_values", "states:N", TOP, states=X)
     add("systems.CanonicalSystem.right_hand_side", "state:N", TOP, time=0.0, state=X)

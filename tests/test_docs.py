@@ -15,7 +15,6 @@ import matplotlib.pyplot as plt
 import pytest
 
 import liepoisson as lp
-from liepoisson.numeric.methods import CHOICES
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
@@ -258,11 +257,6 @@ def in_short(description: str) -> str:
     first = description.partition(";")[0]
     before = first.partition(": ")[0]
     return before if len(before.split()) >= 6 else first
-
-
-def test_the_page_of_methods_names_every_method():
-    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
-    assert [kind.__name__ for kind in CHOICES.values() if not re.search(rf"\.{kind.__name__}\b", text)] == []
 
 
 @pytest.mark.parametrize(

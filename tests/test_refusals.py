@@ -342,7 +342,7 @@ REFUSED = (
     (lambda: lp.System(lp.algebras.se(3) @ lp.trivial(), "dot(m, p)"), "Write so(3) @ semidirect(2) for se(3)"),
     (lambda: lp.System(SE2.rename("x"), "x1"), "Did you mean xr?"),
     (lambda: system("dot(m, p)"), 'Other names: bracket.rename("m", "p")'),
-    (lambda: system("cos(t)*l1"), "Systems are autonomous: no formula depends on time"),
+    (lambda: system("cos(time)*l1"), "Time is t, and in the Hamiltonian of a Python System alone"),
     (lambda: lp.catalog.system("Kovalevskaia"), "Did you mean kovalevskaya"),
     (lambda: lp.read_system("gyrostat.toml"), "Check the path."),
     # nothing of a text is a function or a constant

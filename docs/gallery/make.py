@@ -48,10 +48,12 @@ GROUPS = {
     ),
     "Chaos and its measures": (
         *("henon-heiles", "megno-map", "frequencies", "sticky", "spectrum", "exponent-error"),
-        *("covariant", "splitting", "homoclinic", "orbit-families", "lorenz"),
+        *("covariant", "splitting", "homoclinic", "orbit-families", "lorenz", "forced-pendulum"),
     ),
     "Proofs": ("coverings", "enclosure", "painleve"),
-    "Lattices, waves, fluids, other algebras": ("toda", "three-wave", "fluid", "fluid-spectrum", "manakov"),
+    "Lattices, waves, fluids, other algebras": (
+        *("toda", "three-wave", "fluid", "fluid-spectrum", "manakov", "magnetic-bottle"),
+    ),
     "Methods": ("discrete-top", "methods"),
 }
 """The cards in the order of the index."""

@@ -22,9 +22,9 @@ WORDS = {
     "casimir jacobi identity coadjoint exact",
     "cocycles": "cocycle coboundary cohomology harrison hochschild deformation deform obstruction versal unfolding "
     "orbit binary cubic contraction inonu wigner limit rigid twist extension",
-    "canonical": "canonical separable hamiltonian pendulum symplectic potential kinetic momenta coordinates escape "
-    "time-dependent time dependent nonautonomous non-autonomous periodically driven forcing external "
-    "kicked",
+    "canonical": "canonical separable hamiltonian pendulum symplectic potential kinetic momenta coordinates escape",
+    "angles-and-forcing": "angle periodic coordinate circle torus modulo turn wrap rotation time-dependent time "
+    "dependent nonautonomous non-autonomous periodically driven forcing external kicked stroboscopic kapitza floquet",
     "vector-fields": "ode equations right-hand side dissipative friction forcing driven attractor lorenz strange "
     "polynomial invariant surface volterra autonomous",
     "catalog": "models list examples library built-in ready-made literature",

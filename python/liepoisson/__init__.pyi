@@ -35,11 +35,11 @@ from liepoisson.model.system_file_reader import read_system as read_system
 from liepoisson.model.tops import Top as Top
 from liepoisson.model.vector_field import VectorField as VectorField
 from liepoisson.numeric.integrate import integrate as integrate
+from liepoisson.numeric.method.gauss import Gauss as Gauss
+from liepoisson.numeric.method.runge_kutta import RungeKutta as RungeKutta
+from liepoisson.numeric.method.splitting import Splitting as Splitting
+from liepoisson.numeric.method.taylor import Taylor as Taylor
 from liepoisson.numeric.methods import Auto as Auto
-from liepoisson.numeric.methods import Gauss as Gauss
-from liepoisson.numeric.methods import RungeKutta as RungeKutta
-from liepoisson.numeric.methods import Splitting as Splitting
-from liepoisson.numeric.methods import Taylor as Taylor
 from liepoisson.numeric.sampling import sample_states as sample_states
 from liepoisson.poincare.section import section as section
 from liepoisson.report.describe import inspect as inspect

@@ -27,6 +27,7 @@ __all__ = [
     "enclose_section_map",
     "fourier_transforms",
     "growth",
+    "methods",
     "modular_null_space",
     "orbits",
     "orthonormal",
@@ -108,18 +109,9 @@ class Field:
 
 @final
 class Method:
-    @staticmethod
-    def taylor(tol: float, order: int | None, mixed: bool, max_steps: int) -> Method: ...
-    @staticmethod
-    def runge_kutta(
-        tol: float | None, step: float | None, single: bool, compensated: bool, max_steps: int
-    ) -> Method: ...
-    @staticmethod
-    def splitting(order: int, step: float, single: bool, max_steps: int) -> Method: ...
-    @staticmethod
-    def gauss(n_stages: int, step: float, max_steps: int) -> Method: ...
-    @staticmethod
-    def lagrange_map(step: float, max_steps: int) -> Method: ...
+    def __new__(cls, name: str, options: dict[str, Any]) -> Method: ...
+
+def methods() -> list[str]: ...
 
 class _Ends(TypedDict):
     outcome: NDArray[np.int8]
@@ -245,6 +237,7 @@ def sections(
     field: Field,
     method: Method,
     surface: tuple[int, Sequence[Instruction], Sequence[int]],
+    has_guard: bool,
     states: _Array,
     times: _Array,
     direction: int,

@@ -1,4 +1,6 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.structure.lie.closure import Closure as Closure
+from liepoisson.structure.lie.closure import closure as closure
 from liepoisson.structure.lie.cochains import Cochain as Cochain
 from liepoisson.structure.lie.cohomology import LieCohomology as LieCohomology
 from liepoisson.structure.lie.cohomology import cohomology as cohomology
@@ -8,6 +10,11 @@ from liepoisson.structure.lie.deformations import LieDeformation as LieDeformati
 from liepoisson.structure.lie.deformations import central_extension as central_extension
 from liepoisson.structure.lie.deformations import deformation as deformation
 from liepoisson.structure.lie.deformations import derivations_of as derivations_of
+from liepoisson.structure.lie.identification import Identification as Identification
+from liepoisson.structure.lie.identification import identify as identify
+from liepoisson.structure.lie.lie_structure import Subspace as Subspace
+from liepoisson.structure.lie.low_dimensional import low_dimensional as low_dimensional
+from liepoisson.structure.lie.low_dimensional import low_dimensional_casimirs as low_dimensional_casimirs
 from liepoisson.structure.lie_algebra import LieAlgebra as LieAlgebra
 from liepoisson.structure.lie_algebras import abelian as abelian
 from liepoisson.structure.lie_algebras import affine as affine

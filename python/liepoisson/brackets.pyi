@@ -8,6 +8,10 @@ from liepoisson.structure.certificates import RankCertificate as RankCertificate
 from liepoisson.structure.contractions import ContractedBracket as ContractedBracket
 from liepoisson.structure.contractions import contraction as contraction
 from liepoisson.structure.derivations import Derivation as Derivation
+from liepoisson.structure.magnetic_brackets import guiding_centre as guiding_centre
+from liepoisson.structure.magnetic_brackets import magnetic as magnetic
+from liepoisson.structure.poisson.casimir_check import CasimirCertificate as CasimirCertificate
+from liepoisson.structure.poisson.semi_invariants import SemiInvariant as SemiInvariant
 from liepoisson.structure.strata import Locus as Locus
 from liepoisson.structure.strata import Stratum as Stratum
 from liepoisson.structure.tensor_bracket import PoissonTensor as PoissonTensor

@@ -15,6 +15,7 @@ __all__ = [
     "CochainError",
     "CocycleError",
     "CompatibilityError",
+    "ConstraintError",
     "ContractionError",
     "CoreError",
     "DamagedFileError",
@@ -111,18 +112,47 @@ class JacobiError(BracketError):
     Attributes:
         triple: Names of the three coordinates at which it fails.
         residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+        reason: What the cyclic sum is, in words, where the entries are derived from something else; else "".
     """
 
-    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
-        self.triple, self.residual = triple, residual
+    def __init__(self, triple: tuple[str, ...], residual: str, reason: str = "") -> None:
+        self.triple, self.residual, self.reason = triple, residual, reason
         first, second, third = triple
         super().__init__(
             f"the entries of a Poisson tensor must obey the Jacobi identity; for ({', '.join(triple)}) the cyclic sum "
-            f"of {{{{{first}, {second}}}, {third}}} is {residual:.200} instead of 0. Correct its entries."
+            f"of {{{{{first}, {second}}}, {third}}} is {residual:.200} instead of 0. {reason or 'Correct its entries'}."
         )
 
-    def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str]]:
-        return type(self), (self.triple, self.residual)
+    def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str, str]]:
+        return type(self), (self.triple, self.residual, self.reason)
+
+
+class ConstraintError(BracketError):
+    """Constraints that have no Dirac bracket: a combination of them is first class.
+
+    Attributes:
+        combination: A combination of the constraints whose brackets with all of them vanish where they do, as text; ""
+            if none was computed.
+        part: On which part of the set where they vanish, in words; "" if on all of it.
+        is_proved: Whether that is proved, or seen at some states only.
+    """
+
+    def __init__(self, combination: str, part: str, *, is_proved: bool = True) -> None:
+        self.combination, self.part, self.is_proved = combination, part, is_proved
+        place = f" {part}" if part else ""
+        what = (
+            f"{combination:.300} is first class, its brackets with all of them vanish{place or ' where they do'}"
+            if combination
+            else f"the determinant of their brackets vanishes{place}"
+        )
+        super().__init__(
+            f"a Dirac bracket needs constraints of second class, det {{phi_a, phi_b}} != 0; {what}. Add a function "
+            "whose bracket with it does not vanish, such as its time derivative or a gauge condition; leave it out if "
+            "it is a Casimir."
+        )
+
+    def __reduce__(self) -> tuple[type[ConstraintError], tuple[str, str], dict[str, bool]]:
+        return type(self), (self.combination, self.part), {"is_proved": self.is_proved}
 
 
 class CocycleError(BracketError):

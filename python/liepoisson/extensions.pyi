@@ -16,4 +16,5 @@ from liepoisson.structure.extensions import crmhd as crmhd
 from liepoisson.structure.extensions import leibniz as leibniz
 from liepoisson.structure.extensions import semidirect as semidirect
 from liepoisson.structure.extensions import trivial as trivial
+from liepoisson.structure.normal_forms import commutative_algebras as commutative_algebras
 from liepoisson.structure.normal_forms import normal_forms as normal_forms

@@ -14,6 +14,8 @@ FACADES = {
     "LieAlgebra._repr_latex_": "report.describe.displayed_algebra",
     "Bracket._repr_latex_": "report.describe.displayed_bracket",
     "Bracket.in_variables": "structure.tensor_sources.changed",
+    "Bracket.in_invariants": "structure.invariant_reduction.in_invariants",
+    "Bracket.dirac_bracket": "structure.dirac_bracket.dirac_bracket",
     "System.__str__": "report.describe.describe",
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",

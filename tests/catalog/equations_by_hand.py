@@ -121,6 +121,31 @@ def double_pendulum(a, b, p, q):
     return [[(p - q * c) / D], [(2 * q - p * c) / D], [-2 * sin(a) - first + second], [-sin(b) + first - second]]
 
 
+def eating(*rows):
+    """x_i' = x_i (sum_j c_ij x_j + r_i): one row of c and r for each species."""
+
+    def equations(*fields):
+        x = [field[0] for field in fields]
+        return [
+            [a * (sum(F(c) * b for c, b in zip(row, x, strict=False)) + F(row[-1]))]
+            for a, row in zip(x, rows, strict=True)
+        ]
+
+    return equations
+
+
+def ring(*fields):
+    """x_k' = x_k (x_(k+1) - x_(k-1)), numbers modulo that of the species."""
+    x = [field[0] for field in fields]
+    return [[x[k] * (x[(k + 1) % len(x)] - x[k - 1])] for k in range(len(x))]
+
+
+def of_sklyanin(s0, s1, s2, s3):
+    """S1' = 2 (J3 - J2) S2 S3, and so on in turn, with J = (1, 2, 4); S0 rests."""
+    a, b, c = s1[0], s2[0], s3[0]
+    return [[F(0)], [4 * b * c], [-6 * c * a], [2 * a * b]]
+
+
 def spring_pendulum(x, y, u, v):
     """The spring pulls with 4 (r - 3/4) towards the origin, gravity with 1 downwards."""
     x, y = float(x[0]), float(y[0])
@@ -286,12 +311,17 @@ EQUATIONS = {
     "leibniz-lagrange-4": leibniz((1, 1, F(1, 2)), (0, 0, 1)),
     "leibniz-lagrange-5": leibniz((1, 1, F(1, 2)), (0, 0, 1)),
     "leibniz-top-4": leibniz((2, 2, 1), (-1, 0, 0)),
+    "lotka-volterra-3": ring,
+    "lotka-volterra-4": eating(
+        (0, 1, 0, 0, -1), (-1, 0, F(1, 2), 0, F(1, 2)), (0, F(-1, 2), 0, 1, F(-1, 2)), (0, 0, -1, 0, 1)
+    ),
     "lyapunov": quadratic((1, 1, 1), times(MU, A), times(MU**2, SQUARES)),
     "manakov-so4": manakov,
     "neumann": quadratic((1, 1, 1), (0, 0, 0), A),
     "poincare-ellipsoidal-cavity": cavity,
     "rattleback": rattleback,
     "reduced-mhd-3": magnetofluid,
+    "sklyanin": of_sklyanin,
     "so21-heavy-top": heavy((1, 1, F(1, 2)), (0, 0, 1), minkowski_cross),
     "so21-twisted-top": top((1, 1, F(1, 2)), (0, 0, 1), epsilon=1, product=minkowski_cross),
     "spherical-pendulum": euclidean(lambda l, _: (l, [0, 0, 1])),
@@ -312,6 +342,7 @@ EQUATIONS = {
     ),
     "two-field-kovalevskaya": top((2, 2, 1), (-1, 0, 0), (0, -1, 0)),
     "two-field-spherical": top((1, 1, 1), (1, 0, 0), (0, 1, 0)),
+    "volterra-lattice-5": ring,
     "zeitlin-3": fluid(3),
     "zeitlin-5": fluid(5),
     "zhukovsky-volterra-gyrostat": gyrostat,

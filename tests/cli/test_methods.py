@@ -12,7 +12,8 @@ from liepoisson.cli.orbit import orbit
 from liepoisson.cli.runs import DEFAULT_STEP, named_method
 from liepoisson.cli.section import section
 from liepoisson.errors import ParameterError, UnknownNameError
-from liepoisson.numeric.methods import CHOICES, precisions
+from liepoisson.numeric.method.method import precisions
+from liepoisson.numeric.methods import CHOICES
 
 
 def help_of(command, option):

@@ -1,6 +1,6 @@
 """The compiled core against hostile arguments: a call ends with a result, or an exception that says what was wrong."""
 
-import inspect
+import dataclasses
 import subprocess
 import sys
 import textwrap
@@ -10,11 +10,12 @@ import pytest
 
 from liepoisson import _core
 from liepoisson.errors import MemoryLimitError, ParameterError, ShapeError, UnknownNameError, UnsupportedFieldError
+from liepoisson.numeric.methods import METHODS
 
 TOP = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
 OSCILLATOR = _core.Field.quadratic(2, [], [(0, 1, 1.0), (1, 0, -1.0)], [])
-TAYLOR = _core.Method.taylor(1e-12, None, False, 1000)
-SPLITTING = _core.Method.splitting(2, 1e-300, False, 2**63)
+TAYLOR = _core.Method("taylor", {"tol": 1e-12, "max_steps": 1000})
+SPLITTING = _core.Method("splitting", {"order": 2, "step": 1e-300, "max_steps": 2**63})
 """Its steps never end."""
 STATE = np.linspace(0.1, 0.9, 9)
 AXIS = np.eye(9)[0]
@@ -22,13 +23,12 @@ TIMES = np.array([0.0, 1.0])
 PLANE = (9, [], [2])
 MATRIX = (np.array([0, 2, 3], np.uint64), np.array([0, 1, 1], np.uint32), np.array([1, 2, 3], np.uint64), 3)
 
-OF_METHODS = {"tol": 1e-12, "step": 0.1, "order": 4, "n_stages": 2, "max_steps": 100}
-"""Arguments of methods; what says how to compute is False."""
 
-
-def arguments_of(make):
-    """Arguments with which a method is made."""
-    return tuple(OF_METHODS.get(name, False) for name in inspect.signature(make).parameters)
+def method(kind):
+    """How the core makes a method from values of its options, and such values."""
+    names = [option.name for option in dataclasses.fields(kind)]
+    given = dataclasses.asdict(kind(**{"step": 0.1} if "step" in names else {}))
+    return lambda *values: _core.Method(kind.name, dict(zip(names, values, strict=True))), tuple(given.values())
 
 
 GOOD = {
@@ -36,11 +36,7 @@ GOOD = {
     "quadratic": (_core.Field.quadratic, (3, [(0, 1.0)], [(0, 1, 1.0)], [(0, 1, 2, 1.0)])),
     "tape": (_core.Field.tape, (1, [("sin", (0,), ())], [1])),
     "pieces": (_core.Field.pieces, (2, [([(0, 1.0)], [1.0], [(0, 1, 1.0)])])),
-    **{
-        name: (make, arguments_of(make))
-        for name in vars(_core.Method)
-        if callable(make := getattr(_core.Method, name)) and not name.startswith("_")
-    },
+    **{name: method(kind) for name, kind in METHODS.items()},
     "orbits": (_core.orbits, (TOP, TAYLOR, STATE, STATE, 1, TIMES, 1, 0.2, True, False, None)),
     "one orbit": (_core.orbits, (TOP, TAYLOR, STATE, STATE[:0], 0, TIMES, 1, 0.2, False, True, None)),
     "growth": (_core.growth, (TOP, TAYLOR, STATE, STATE, TIMES, 1, 0.2, None)),
@@ -114,9 +110,14 @@ def test_no_argument_brings_the_core_to_a_panic(name):
         (lambda: _core.Field.tape(1, [("power", (0,), (np.inf,))], [1]), ParameterError, "wanted finite numbers"),
         (lambda: _core.Field.tape(2, [], [0]), ShapeError, "outputs: wanted 2"),
         (lambda: _core.Field.tape(1, [], [1]), ParameterError, "output 0: wanted a register below 1"),
-        (lambda: _core.Method.taylor(1.0, None, False, 1), ParameterError, "tol: wanted a number"),
-        (lambda: _core.Method.splitting(3, 0.1, False, 1), ParameterError, "order: wanted 2, 4, 6 or 8; got 3"),
-        (lambda: run(method=_core.Method.lagrange_map(0.1, 9)), ParameterError, "wanted a top with I1 = I2"),
+        (lambda: _core.Method("taylor", {"tol": 1.0}), ParameterError, "tol: wanted a number"),
+        (lambda: _core.Method("splitting", {"order": 3, "step": 0.1}), ParameterError, "wanted 2, 4, 6 or 8; got 3"),
+        (lambda: _core.Method("gauss", {"order": 3, "step": 0.1}), ParameterError, "wanted 2, 4, 6 or 8; got 3"),
+        (lambda: _core.Method("gauss", {"max_steps": 9}), ParameterError, "step: wanted a positive number; got none"),
+        (lambda: _core.Method("taylor", {"order": 2.5}), ParameterError, "order: wanted a whole number from 0; got"),
+        (lambda: _core.Method("taylor", {"tol": "x"}), ParameterError, "tol: wanted a number; got something else"),
+        (lambda: _core.Method("euler", {}), UnknownNameError, "method: wanted taylor, runge-kutta, splitting"),
+        (lambda: run(method=_core.Method("lagrange-map", {"step": 0.1})), ParameterError, "wanted a top with I1 = I2"),
     ],
 )  # fmt: skip
 def test_refusals_say_what_was_wanted(call, error, words):
@@ -145,7 +146,7 @@ def test_what_does_not_fit_into_memory_is_refused_and_the_process_goes_on():
         from liepoisson.errors import LiePoissonError, MemoryLimitError
 
         top = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
-        taylor = _core.Method.taylor(1e-12, None, False, 1000)
+        taylor = _core.Method("taylor", {"tol": 1e-12, "max_steps": 1000})
         n = 2**20  # its series needs 0.7 GB in one lane
         large = _core.Field.quadratic(n, [], [(0, 1, 1.0)], [])
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

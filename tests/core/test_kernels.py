@@ -67,14 +67,15 @@ for method in (lp.Taylor(), lp.RungeKutta(tol=1e-9)):
 @pytest.mark.skipif(
     not {"avx2", "avx512"} & set(_core.available_simd()) or sys.platform != "linux", reason="not compiled"
 )
-def test_compiled_code_has_the_bits_of_the_kernels_and_says_that_it_ran():
+@pytest.mark.parametrize("simd", ["scalar", "avx2"])
+def test_compiled_code_has_the_bits_of_the_kernels_and_says_that_it_ran(simd):
     results = {}
     for compiles in ("0", "1"):
-        environment = {**os.environ, "LIEPOISSON_JIT": compiles, "LIEPOISSON_SIMD": "avx2"}
+        environment = {**os.environ, "LIEPOISSON_JIT": compiles, "LIEPOISSON_SIMD": simd}
         command = [sys.executable, "-c", COMPILED]
         output = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
         results[compiles] = [line.split() for line in output.splitlines()]
-    assert [kernel for kernel, _ in results["0"]] == ["avx2", "avx2"]
+    assert [kernel for kernel, _ in results["0"]] == [simd, simd]
     assert [kernel for kernel, _ in results["1"]] == ["compiled", "compiled"]
     assert [bits for _, bits in results["0"]] == [bits for _, bits in results["1"]]
 

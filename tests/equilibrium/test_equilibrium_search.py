@@ -223,3 +223,20 @@ def test_components_below_round_off_are_zero(name):
     sizes = np.abs([one.state for one in found])
     assert (sizes == 0).sum() > 4
     assert sizes[sizes > 0].min() > np.finfo(float).eps
+
+
+def test_equilibria_are_counted_on_the_torus_of_angles():
+    """Each of two pendulums in a chain hangs or stands, and whole turns make no other state."""
+    names = ["a", "b"]
+    energy = "(p_a^2 + 2*p_b^2 - 2*p_a*p_b*cos(a - b))/(2*(1 + sin(a - b)^2)) - 2*cos(a) - cos(b)"
+    double = lp.System(lp.canonical(names=names, angles=names), energy)
+    found = lp.equilibria(double, lp.Leaf(double, {}))
+    np.testing.assert_allclose([one.energy for one in found], [-3, -1, 1, 3], atol=1e-12)
+    places = np.array([one.state[:2] for one in found]) / np.pi
+    np.testing.assert_allclose(places, [[0, 0], [0, 1], [1, 0], [1, 1]], atol=1e-9)
+
+
+def test_nothing_rests_where_the_hamiltonian_depends_on_time():
+    driven = lp.System(lp.canonical(1), "dot(p, p)/2 + q1^2/2 - q1*cos(2*t)", period="pi")
+    with pytest.raises(lp.errors.ParameterError, match="wanted one that may rest"):
+        lp.equilibria(driven, lp.Leaf(driven, {}))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import liepoisson as lp
 from liepoisson.indicators.mean_error import proportion
@@ -136,3 +137,53 @@ def test_wilson_interval_solves_its_equation():
     assert proportion(0, 1000).low == 0.0
     assert proportion(0, 1000).high == pytest.approx(z**2 / (1000 + z**2))
     assert proportion(5, 5).high == 1.0
+
+
+FORCED = lp.System(
+    lp.canonical(names=["x"], angles=["x"]), "p_x^2/2 - cos(x) + 3*cos(x)*cos(7*t/5)/10", period="10*pi/7"
+)
+TURNING, LIBRATING, WANDERING = {"p_x": 4.0}, {"p_x": 0.5}, {"p_x": 1.9}
+
+
+def exponent_by_scipy(momentum, t_end):
+    """The exponent of a forced pendulum from its variational equation, by another integrator."""
+
+    def rates(t, z):
+        strength = 1 - 0.3 * np.cos(1.4 * t)
+        return [z[1], -np.sin(z[0]) * strength, z[3], -np.cos(z[0]) * strength * z[2]]
+
+    total, z = 0.0, np.array([0, momentum, 1.0, 0])
+    for k in range(int(t_end / 50)):
+        z = solve_ivp(rates, (50.0 * k, 50.0 * (k + 1)), z, method="DOP853", rtol=1e-9, atol=1e-9).y[:, -1]
+        size = np.hypot(*z[2:])
+        total, z[2:] = total + np.log(size), z[2:] / size
+    return total / t_end
+
+
+@pytest.mark.thorough
+def test_verdicts_of_a_forced_pendulum_agree_with_another_integrator():
+    starts = [TURNING, LIBRATING, {"p_x": 1.0}, {"p_x": 3.3}, WANDERING, {"p_x": 2.0}]
+    found = lp.decide(FORCED, starts, t_end=6000)
+    assert found.verdict.tolist() == ["regular"] * 4 + ["chaotic"] * 2
+    exponents = [exponent_by_scipy(start["p_x"], 1500) for start in starts]
+    assert max(exponents[:4]) < 0.01  # ln(t)/t is 0.005
+    assert min(exponents[4:]) > 0.1
+    largest = lp.chaos.lyapunov_spectrum(FORCED, WANDERING, t_end=6000).end_exponent[0]
+    np.testing.assert_allclose(largest[0], exponents[4], rtol=0.25)
+    np.testing.assert_allclose(largest + largest[::-1], 0, atol=5e-3)
+
+
+def test_an_orbit_that_turns_is_regular_on_the_circle_and_undecided_on_the_line():
+    energy = "p_x^2/2 - cos(x)"
+    angle, line = (lp.System(lp.canonical(names=["x"], angles=angles), energy) for angles in (["x"], []))
+    found = lp.decide(angle, [TURNING, {"p_x": -2.2}], t_end=1000)
+    assert found.verdict.tolist() == ["regular"] * 2
+    assert found.average_drift.max() < 1e-4
+    assert lp.decide(line, TURNING, t_end=1000).verdict.tolist() == ["undecided"]
+
+
+def test_quasi_periodic_forcing_needs_no_period():
+    force = "p_x^2/2 - cos(x) + cos(x)*(cos(t) + cos(sqrt(2)*t))/20"
+    forced = lp.System(lp.canonical(names=["x"], angles=["x"]), force)
+    found = lp.decide(forced, [TURNING, {"p_x": 0.9}, {"p_x": 2.0}], t_end=2000)
+    assert found.verdict.tolist() == ["regular", "regular", "chaotic"]

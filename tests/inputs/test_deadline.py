@@ -269,10 +269,11 @@ def long_run(name):
     """A run of the table, with what it must be given: from many starts, over a long time."""
     row = public_calls.rows()[name]
     taken = inspect.signature(row.function).parameters.values()
-    needed = {one.name: row.arguments[one.name] for one in taken if one.default is one.empty and one.name != "t_end"}
+    needed = {one.name: row.arguments[one.name] for one in taken if one.default is one.empty}
+    until = {"times": [1e7]} if "times" in needed else {"t_end": 1e7}
     starts = np.outer(np.linspace(0.9, 1.1, 100), needed["starts"])
     counted = {one.name: MANY for one in taken if one.name in ("n_crossings", "n_samples")}
-    return lambda **limit: row.function(**needed | {"starts": starts, "t_end": 1e7} | counted | limit)
+    return lambda **limit: row.function(**needed | until | {"starts": starts} | counted | limit)
 
 
 def functions_with_a_limit_and_a_count():
@@ -283,7 +284,7 @@ def functions_with_a_limit_and_a_count():
             if inspect.isfunction(function := getattr(module, name)):
                 taken = inspect.signature(function).parameters
                 if "time_limit" in taken and any(re.match("n_|max_|most", one) for one in taken):
-                    yield f"{chapter}.{name}", {"starts", "t_end"} <= taken.keys()
+                    yield f"{chapter}.{name}", "starts" in taken and {"t_end", "times"} & taken.keys()
 
 
 LIMITED = dict(functions_with_a_limit_and_a_count())

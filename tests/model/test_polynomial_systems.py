@@ -21,6 +21,7 @@ from liepoisson.model.tops import Top
 
 OTHERS = {
     "double-pendulum", "goryachev", "kepler-on-the-sphere", "spring-pendulum", "toda",  # no polynomials
+    "lotka-volterra-3", "lotka-volterra-4", "sklyanin", "volterra-lattice-5",  # tensors by formulas
     "reduced-mhd-3", "zeitlin-3", "zeitlin-5",  # irrational structure constants
     "cubic-top-complex", "cubic-top-double", "cubic-top-split", "twisted-top",  # symbols
 }  # fmt: skip

@@ -66,7 +66,7 @@ def test_integrals_are_constant_over_long_times(epsilon, b3):
     assert 1e-5 < np.abs(energy - energy[:, :1]).max() < 0.1  # the energy of the top itself is not constant
 
 
-def test_it_is_a_poisson_map_of_order_two():
+def test_it_is_a_poisson_map():
     top = lp.Top(inertia=(1.5, 1.5, 0.8), a=(0, 0, 0.9), b=(0, 0, 0.3), epsilon=0.7)
     x0 = lp.sample_states(top, 4, seed=2)
     orbit = lp.integrate(top, x0, times=[0, 3], tangents=np.eye(9), method=lp.methods.LagrangeMap(step=0.5))
@@ -82,9 +82,3 @@ def test_it_is_a_poisson_map_of_order_two():
         D = tangents.T
         defect = D @ poisson_tensor(start) @ D.T - poisson_tensor(end)
         assert np.abs(defect).max() < 1e-13 * np.abs(D).max() ** 2
-    exact = lp.integrate(top, x0, times=[0, 3]).state[:, -1]
-    errors = [
-        np.abs(lp.integrate(top, x0, times=[0, 3], method=lp.methods.LagrangeMap(step=h)).state[:, -1] - exact).max()
-        for h in (0.05, 0.025)
-    ]
-    assert 3.7 < errors[0] / errors[1] < 4.3

@@ -2,12 +2,13 @@
 
 import dataclasses
 import json
+from typing import Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.numeric.methods import CHOICES, METHODS, method_of, method_record, precisions
+from liepoisson.numeric.methods import CHOICES, METHODS, method_of, method_record
 
 
 def example(kind):
@@ -25,14 +26,21 @@ EXAMPLES = [
     lp.Splitting(step=0.5, precision="single"),
     lp.Gauss(step=0.125, order=2),
 ]
-VALUES = {"tol": 3e-9, "step": 0.3, "order": 6, "compensated": True, "max_steps": 7}
-"""Of options, other than their defaults; of a precision it is the last."""
 
 
-def top_for(method):
-    """A top to which the method applies."""
-    is_map = isinstance(method, lp.methods.LagrangeMap)
-    return lp.Top.twisted_lagrange() if is_map else lp.Top.twisted_kovalevskaya()
+def another(kind, name):
+    """A value of an option other than its default, by its type: of words the last."""
+    given = get_type_hints(kind)[name]
+    values = {float: 0.05, int: 6, bool: True}
+    return get_args(given)[-1] if get_origin(given) is Literal else values[(get_args(given) or (given,))[0]]
+
+
+def tops_for(method):
+    """Tops to which the method applies."""
+    if method.name == "lagrange-map":
+        return [lp.Top.twisted_lagrange()]
+    general = lp.Top.twisted(inertia=(1.3, 0.9, 2.1), a=(0.4, -0.9, 0.3), b=(-0.2, 0.5, 0.8), epsilon=0.7)
+    return [lp.Top.twisted_kovalevskaya(), general]
 
 
 def test_methods_have_their_names():
@@ -47,9 +55,8 @@ def test_methods_have_their_names():
 )
 def test_a_record_of_a_method_has_all_its_options(name, option):
     kind = METHODS[name]
-    values = VALUES | {"precision": precisions(kind)[-1]}
     needed = {field.name for field in dataclasses.fields(kind) if field.default is dataclasses.MISSING}
-    given = {name: values[name] for name in needed | {option}}
+    given = {name: another(kind, name) for name in needed | {option}}
     method = kind(**given)
     record = json.loads(json.dumps(method_record(method)))
     assert record["name"] == name
@@ -60,13 +67,33 @@ def test_a_record_of_a_method_has_all_its_options(name, option):
 @pytest.mark.parametrize("method", EXAMPLES, ids=str)
 def test_every_method_survives_its_record_and_follows_the_same_orbit(method):
     assert method_of(json.loads(json.dumps(method_record(method)))) == method
-    top = top_for(method)
+    top = tops_for(method)[0]
     x0 = lp.sample_states(top, 3, seed=5)
     exact = lp.integrate(top, x0, times=[0, 0.7, 2]).state
     orbit = lp.integrate(top, x0, times=[0, 0.7, 2], method=method, tangents=[[1.0, *[0.0] * 8]])
     assert (orbit.outcome == "finished").all()
     # coarse steps on purpose: this finds wrong equations and wrong times, not small errors
     assert np.abs(orbit.state - exact).max() < (1e-3 if hasattr(method, "tol") else 2e-2)
+
+
+@pytest.mark.parametrize(
+    "method",
+    [
+        *(kind(step=0.2) for kind in METHODS.values() if "step" in get_type_hints(kind)),
+        *(kind(step=0.2, order=order) for kind in (lp.Splitting, lp.Gauss) for order in (2, 6, 8)),
+    ],
+    ids=str,
+)
+def test_the_error_of_equal_steps_falls_by_their_order(method):
+    """From a step to half of it: by the power of two that the run names, for the state and a tangent vector."""
+    for top in tops_for(method):
+        run = {"starts": lp.sample_states(top, 3, seed=5), "times": [0, 3.2], "tangents": np.eye(9)[:1]}
+        exact = lp.integrate(top, **run)
+        first, second = (lp.integrate(top, method=dataclasses.replace(method, step=step), **run) for step in (0.2, 0.1))
+        for name in ("state", "tangent"):
+            before, after = (np.abs(getattr(one, name) - getattr(exact, name)).max() for one in (first, second))
+            assert after > 1e-12, "round-off"
+            assert np.log2(before / after) == pytest.approx(first.order, abs=0.1)  # 0.08 was seen
 
 
 def test_splitting_of_any_polynomial_hamiltonian_keeps_casimirs():

@@ -1,6 +1,7 @@
 """Brackets that are given by formulas: known ones, random ones, and those that are none."""
 
 import pickle
+import re
 from itertools import combinations
 from random import Random
 
@@ -13,6 +14,7 @@ from liepoisson.errors import BracketError, ExpressionError, JacobiError, Parame
 CYCLE = {("x", "y"): "x*y", ("y", "z"): "y*z", ("z", "x"): "z*x"}
 """The Lotka-Volterra bracket of three species, each of which eats the next."""
 SO3 = {("l1", "l2"): "-l3", ("l1", "l3"): "l2", ("l2", "l3"): "-l1"}
+SO3_BENT = {("x", "y"): "-z", ("x", "z"): "y - x^2", ("y", "z"): "2*x*(y - x^2) - x"}
 BODY = "l1^2/4 + l2^2/6 + l3^2/2 + l1*l3/7"
 
 
@@ -363,6 +365,47 @@ def test_strata_of_a_log_canonical_tensor_are_where_coordinates_vanish():
     bracket = tensor("x y z", CYCLE)
     assert bracket.rank([0, 2, 3]) == 2
     assert bracket.rank([0, 0, 3]) == 0
+
+
+def where(text, point):
+    """Whether a condition of a stratum holds at a point, by SymPy."""
+    sides = re.split(r", (?![^(]*\))", text) if text != "everywhere" else []
+    for side in sides:
+        functions, sign = re.fullmatch(r"(.*) (=|!=) 0", side).groups()
+        values = [sp.sympify(f.replace("^", "**")).subs(point) for f in functions.strip("()").split(", ")]
+        yield any(values) == (sign == "!=")
+
+
+NONLINEAR = {
+    "a sphere": lp.brackets.nambu("(x^2 + y^2 + z^2)/2", ["x", "y", "z"]),
+    "three lines": lp.brackets.nambu("x^2*y - z^2*y + z^3", ["x", "y", "z"], factor="x - 1"),
+    "a circle": tensor("x y", {("x", "y"): "(x^2 + y^2 - 1)^2"}),
+    "a product": lp.brackets.product(tensor("x y", {("x", "y"): "x"}), tensor("u v", {("u", "v"): "u*v - 1"})),
+    "so(3) bent": tensor("x y z", SO3_BENT),
+}
+
+
+@pytest.mark.parametrize("name", NONLINEAR)
+def test_strata_of_a_polynomial_tensor_are_a_partition_by_rank(name):
+    bracket, numbers = NONLINEAR[name], Random(1)
+    strata = bracket.strata()
+    assert all(stratum.proved for stratum in strata)
+    for _ in range(60):
+        point = {
+            x: sp.Rational(numbers.choice([0, 0, 1, 1, 2, -1]), numbers.choice([1, 1, 2])) for x in bracket.variables
+        }
+        (here,) = [s for s in strata if all(where(s.condition, point))]
+        assert here.rank == bracket.poisson_tensor().subs(point).rank()
+
+
+def test_strata_are_named_by_equations_and_those_without_real_points_are_left_out():
+    conditions = lambda bracket: [(s.rank, s.condition) for s in bracket.strata()]  # noqa: E731
+    assert conditions(NONLINEAR["a sphere"]) == [(2, "(x, y, z) != 0"), (0, "x = 0, y = 0, z = 0")]
+    assert conditions(NONLINEAR["a circle"]) == [(2, "x^2 + y^2 - 1 != 0"), (0, "x^2 + y^2 - 1 = 0")]
+    assert conditions(tensor("x y", {("x", "y"): "x^2 + y^2 + 1"})) == [(2, "everywhere")]
+    assert conditions(tensor("x y", {("x", "y"): "exp(x)"})) == [(2, "generic")]
+    system = lp.System(NONLINEAR["a circle"], "x")
+    assert [lp.Leaf.through(system, state).rank for state in ([0.6, 0.8], [0.5, 0.8])] == [0, 2]
 
 
 def test_rational_casimirs_are_found_by_their_denominators():

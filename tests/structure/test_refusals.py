@@ -169,7 +169,7 @@ ALGEBRAS_ = [
      for r, s in zip(HAT[1], HAT[0], strict=True)]]), BracketError, r"matrix 2 is a combination .* before it \(0, 1\)"),
     (lambda: LieAlgebra.from_matrices([[[0, 0], [0, 0]]]), BracketError, "it is zero"),
     (lambda: LieAlgebra.from_matrices(HAT[:2]), BracketError, "that of matrices 0 and 1 is outside"),
-    (lambda: LieAlgebra.from_matrices(SIGMA), BracketError, "outside of their real span. Multiply all of them by i"),
+    (lambda: LieAlgebra.from_matrices(SIGMA), BracketError, "of their real span. Hermitian .* hermitian=True"),
     *((lambda m=m: LieAlgebra.from_matrices(m), ShapeError, "square matri")
       for m in ([], "ab", 3, [1, 2], [[[1, 2]]], [[[1, 2], [3]]], [["ab", "cd"]])),
     (lambda: LieAlgebra.from_matrices([[[1]], [[1, 0], [0, 1]]]), ShapeError, r"one size; got the sizes \[1, 2\]"),

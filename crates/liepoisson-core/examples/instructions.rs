@@ -82,7 +82,7 @@ fn grid(t_end: f64) -> Vec<f64> {
 /// Crossings of `l3 = 0`.
 fn section(field: &Top, method: Taylor, trajectories: usize, t_end: f64) -> Result<u64, Error> {
     let (function, kept) = Functions::new(9, vec![], vec![2])?.split_first();
-    let surface = Surface { function, kept, direction: 0, n_crossings: None, sides: vec![] };
+    let surface = Surface { function, kept, guard: None, direction: 0, n_crossings: None, sides: vec![] };
     let states: Vec<f64> = (0..9 * trajectories).map(number).collect();
     let ensemble = Ensemble { field, method, states: &states, tangents: &[], n_tangents: 0, times: &[0.0, t_end] };
     let found = sections(&ensemble, &surface, 1, Simd::from_environment()?, &Control::default(), |_| ())?;

@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Taylor::new(f64::EPSILON, None, u64::MAX)?;
     let ensemble = Ensemble { field: &top, method, states: &states, tangents: &[], n_tangents: 0, times: &[0.0, 1e7] };
     let function = Functions::new(9, vec![], vec![5])?;
-    let surface = Surface { function, kept: None, direction: 0, n_crossings: Some(n_crossings), sides: vec![] };
+    let surface =
+        Surface { function, kept: None, guard: None, direction: 0, n_crossings: Some(n_crossings), sides: vec![] };
     let start = Instant::now();
     let found = sections(&ensemble, &surface, 1, Simd::from_environment()?, &Control::default(), |_| ())?;
     let elapsed = start.elapsed().as_secs_f64();

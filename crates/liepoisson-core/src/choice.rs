@@ -1,13 +1,12 @@
 //! Fields and methods that a caller chooses when the program runs, and which method applies to which field.
 
 use crate::analysis::section::SectionEnsemble;
-use crate::ensemble::{AnyEnsemble, Integration, Integrator};
+use crate::ensemble::{AnyEnsemble, Integrator};
 use crate::error::Error;
 use crate::field::{Bounds, Quadratic, Quadratics, Space, SplitTerms, Tape, Top, Tops};
 use crate::lanes::Simd;
-use crate::method::{
-    AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor, runge_kutta_is_cheaper,
-};
+pub use crate::method::AnyMethod;
+use crate::method::{LagrangeMap, Taylor, runge_kutta_is_cheaper};
 use std::sync::Arc;
 
 /// A vector field of any kind.
@@ -22,43 +21,69 @@ pub enum AnyField {
     SplitTerms(SplitTerms),
 }
 
-/// The table of methods: for each its name, its type, its order, and the fields that it applies to: in every program, and outside
-/// the browser also.
+/// Makes of the table of methods, in [`crate::method`], their files, one type for all of them, and what applies to what.
 macro_rules! methods {
     ($(
-        $name:ident($type:ty) of order |$method:pat_param| $order:expr;
-        for [$($field:ident)*] outside the browser also [$($more:ident)*];
+        $name:literal $file:ident::$method:ident for [$($field:ident)*] outside the browser also [$($more:ident)*];
+    )+ variants: $(
+        $variant:ident($type:ty) for [$($of:ident)*];
     )+) => {
+        $(mod $file;
+        pub use $file::$method;)+
+
         /// A method of any kind.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[allow(missing_docs)] // each is what its type says
         pub enum AnyMethod {
-            $($name($type),)+
+            $($method($method),)+
+            $($variant($type),)+
         }
+
+        $(impl From<$method> for AnyMethod {
+            fn from(method: $method) -> AnyMethod {
+                AnyMethod::$method(method)
+            }
+        })+
 
         $(impl From<$type> for AnyMethod {
             fn from(method: $type) -> AnyMethod {
-                AnyMethod::$name(method)
+                AnyMethod::$variant(method)
             }
         })+
 
         impl AnyMethod {
+            /// The names by which methods are chosen, and whether they are in the browser, too.
+            pub const NAMES: &[(&str, bool)] = &[$(($name, !<[&str]>::is_empty(&[$(stringify!($field)),*])),)+];
+
+            /// The method of this name with these options; none where no method has the name.
+            pub fn named(name: &str, options: &Options) -> Option<Result<AnyMethod, Error>> {
+                match name {
+                    $($name => Some($method::with_options(options)),)+
+                    _ => None,
+                }
+            }
+
             /// Its order, unless it depends on the field: [`AnyField::order`].
-            fn order(self) -> usize {
+            pub(crate) fn order(self) -> usize {
                 match self {
-                    $(AnyMethod::$name($method) => $order,)+
+                    $(AnyMethod::$method(method) => method.order(),)+
+                    $(AnyMethod::$variant(method) => method.0.order(),)+
                 }
             }
         }
 
         impl AnyField {
             #[inline]
-            fn in_table(&self, method: AnyMethod) -> Result<Arc<dyn Integrator + '_>, Error> {
+            pub(crate) fn in_table(&self, method: AnyMethod) -> Result<Arc<dyn Integrator + '_>, Error> {
                 match (self, method) {
-                    $($((AnyField::$field(field), AnyMethod::$name(method)) => Ok(Arc::new(Integration { field, method })),)*)+
+                    $($((AnyField::$field(field), AnyMethod::$method(method)) => Ok(Arc::new(Integration { field, method })),)*)+
                     $($(
                         #[cfg(not(target_family = "wasm"))]
-                        (AnyField::$more(field), AnyMethod::$name(method)) => Ok(Arc::new(Integration { field, method })),
+                        (AnyField::$more(field), AnyMethod::$method(method)) => Ok(Arc::new(Integration { field, method })),
+                    )*)+
+                    $($(
+                        #[cfg(not(target_family = "wasm"))]
+                        (AnyField::$of(field), AnyMethod::$variant(method)) => Ok(Arc::new(Integration { field, method })),
                     )*)+
                     _ => Err(Error::MethodForField),
                 }
@@ -66,27 +91,7 @@ macro_rules! methods {
         }
     };
 }
-
-methods! {
-    Taylor(Taylor) of order |method| method.order();
-        for [Top Quadratic Tape] outside the browser also [Tops Quadratics];
-    MixedTaylor(MixedTaylor) of order |method| method.0.order();
-        for [] outside the browser also [Top Tops];
-    AcrossComponents(AcrossComponents) of order |method| method.0.order();
-        for [] outside the browser also [Top];
-    RungeKutta(RungeKutta) of order |_| 8;
-        for [] outside the browser also [Top Quadratic Tape];
-    SingleRungeKutta(Single<RungeKutta>) of order |_| 8;
-        for [] outside the browser also [Top Quadratic];
-    Splitting(Splitting) of order |method| method.order();
-        for [Top SplitTerms] outside the browser also [];
-    SingleSplitting(Single<Splitting>) of order |method| method.0.order();
-        for [] outside the browser also [Top];
-    Gauss(Gauss) of order |method| method.order();
-        for [] outside the browser also [Top Quadratic Tape];
-    LagrangeMap(LagrangeMap) of order |_| 2;
-        for [] outside the browser also [Top];
-}
+pub(crate) use methods;
 
 impl AnyField {
     /// Number of components of the state.

@@ -65,6 +65,13 @@ pub enum Error {
         /// What came.
         got: usize,
     },
+    /// An option of a method that is none of its values, or is not given.
+    MethodOption {
+        /// Its name.
+        name: &'static str,
+        /// What was wanted and what came.
+        wrong: &'static str,
+    },
     /// Fewer than two times, or times that are not finite and strictly monotone.
     Times {
         /// Index of the first offending time.
@@ -250,6 +257,7 @@ impl fmt::Display for Error {
                 )
             }
             Error::SplittingOrder { got } => write!(f, "order: wanted 2, 4, 6 or 8; got {got}; try 4"),
+            Error::MethodOption { name, wrong } => write!(f, "{name}: wanted {wrong}"),
             Error::Times { index } => write!(
                 f,
                 "times: wanted two or more finite times, strictly increasing or strictly decreasing; \

@@ -188,7 +188,7 @@ impl Reading<'_> {
         let suggestion = self.scope.suggestion(name);
         if matches!(name, "t" | "time") {
             return format!(
-                "the name {} is unknown. Systems are autonomous: no formula depends on time. {suggestion}",
+                "the name {} is unknown. Time is t, and in the Hamiltonian of a Python System alone. {suggestion}",
                 quoted(name)
             );
         }

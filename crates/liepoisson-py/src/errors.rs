@@ -26,6 +26,7 @@ pub(crate) fn translate(error: Error) -> PyErr {
         | Error::Stages { .. }
         | Error::Order { .. }
         | Error::SplittingOrder { .. }
+        | Error::MethodOption { .. }
         | Error::Times { .. }
         | Error::TangentVector { .. }
         | Error::Components { .. }

@@ -241,13 +241,14 @@ fn carry_frames<'py>(
 
 /// Crossings of a surface; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (field, method, surface, states, times, direction, n_crossings, sides, threads, time_limit, progress))]
+#[pyo3(signature = (field, method, surface, has_guard, states, times, direction, n_crossings, sides, threads, time_limit, progress))]
 #[allow(clippy::too_many_arguments)]
 fn sections<'py>(
     py: Python<'py>,
     field: &Field,
     method: &Method,
     surface: (usize, Vec<InstructionParts>, Vec<usize>),
+    has_guard: bool,
     states: PyReadonlyArray1<'py, f64>,
     times: PyReadonlyArray1<'py, f64>,
     direction: i8,
@@ -263,8 +264,15 @@ fn sections<'py>(
     let (n_components, instructions, outputs) = surface;
     let surface = guarded(|| {
         let functions = Functions::new(n_components, read_instructions(&instructions)?, outputs)?;
-        let (function, kept) = functions.split_first();
-        Ok(Surface { function, kept, direction, n_crossings, sides })
+        let (function, others) = functions.split_first();
+        let (guard, kept) = match others {
+            Some(others) if has_guard => {
+                let (guard, kept) = others.split_first();
+                (Some(guard), kept)
+            }
+            others => (None, others),
+        };
+        Ok(Surface { function, kept, guard, direction, n_crossings, sides })
     })?;
     let sections = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         section::sections(ensemble, &surface, threads, simd, control, watch)
@@ -375,6 +383,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Field>()?;
     module.add_class::<TypedSystem>()?;
     module.add_class::<Method>()?;
+    module.add_function(wrap_pyfunction!(methods::methods, module)?)?;
     module.add_function(wrap_pyfunction!(printed_field, module)?)?;
     module.add_function(wrap_pyfunction!(printed_equations, module)?)?;
     module.add_function(wrap_pyfunction!(printed_functions, module)?)?;

@@ -4,7 +4,7 @@ use crate::json::{self, Value};
 use crate::refusal::{Kind, Refusal};
 use liepoisson_core::choice::{AnyField, AnyMethod};
 use liepoisson_core::field::{Functions, Instruction, Quadratic, Ridge, SplitTerms, Tape, Top};
-use liepoisson_core::method::{Splitting, Taylor};
+use liepoisson_core::method::{Options, Setting};
 use std::borrow::Cow;
 
 /// A vector field.
@@ -47,27 +47,24 @@ pub(crate) fn read_functions(text: &[u8]) -> Result<Functions, Refusal> {
     Ok(Functions::new(record.n_components()?, instructions, outputs)?)
 }
 
-/// Steps that a trajectory may take unless a method says otherwise, as in Python.
-const MAX_STEPS: u64 = 10_000_000;
-
-/// A method of integration.
+/// A method of integration, one of those that are in the browser.
 pub(crate) fn read_method(text: &[u8]) -> Result<AnyMethod, Refusal> {
     let record = Record::read("method", text)?;
-    let max_steps = match record.optional("max_steps") {
-        Some(count) => count.whole()? as u64,
-        None => MAX_STEPS,
-    };
-    match record.kind()? {
-        "taylor" => {
-            let order = record.optional("order").map(|order| order.whole()).transpose()?;
-            let tol = record.optional("tol").map_or(Ok(1e-15), |tol| tol.number())?;
-            Ok(Taylor::new(tol, order, max_steps)?.into())
-        }
-        "splitting" => {
-            let order = record.optional("order").map_or(Ok(4), |order| order.whole())?;
-            Ok(Splitting::new(order, record.get("step")?.number()?, max_steps)?.into())
-        }
-        other => Err(record.unknown(other, "taylor or splitting")),
+    let kind = record.kind()?;
+    let given = record.entries.iter().filter(|(_, value)| *value != Value::Null).map(|(name, value)| {
+        let setting = match value {
+            Value::Number(number) => Setting::Number(*number),
+            Value::Text(word) => Setting::Word(word.clone()),
+            Value::Flag(flag) => Setting::Number(f64::from(u8::from(*flag))),
+            _ => return Err(Part { name, value }.wrong("a number, a word, true or false")),
+        };
+        Ok((name.clone(), setting))
+    });
+    let options = Options(given.collect::<Result<_, _>>()?);
+    let known: Vec<&str> = AnyMethod::NAMES.iter().filter(|(_, here)| *here).map(|(name, _)| *name).collect();
+    match AnyMethod::named(kind, &options).filter(|_| known.contains(&kind)) {
+        Some(made) => Ok(made?),
+        None => Err(record.unknown(kind, &known.join(" or "))),
     }
 }
 

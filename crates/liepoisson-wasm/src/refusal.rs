@@ -56,6 +56,7 @@ impl From<Error> for Refusal {
             Error::Memory { .. } => Kind::Memory,
             Error::Length { .. } | Error::Outputs { .. } | Error::InstructionOperands { .. } => Kind::Shape,
             Error::UnknownInstruction { .. } => Kind::UnknownName,
+            Error::MethodOption { .. } => Kind::Description,
             Error::MethodForField => Kind::UnsupportedField,
             _ => Kind::Parameter,
         };

@@ -138,6 +138,7 @@ pub(crate) fn section(
     let surface = Surface {
         function,
         kept,
+        guard: None,
         direction: direction.clamp(-2, 2) as i8,
         n_crossings: (n_crossings > 0).then_some(n_crossings),
         sides: sides.iter().map(|&side| side as i8).collect(),

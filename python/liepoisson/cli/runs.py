@@ -16,7 +16,8 @@ from liepoisson.cli.output import write_figure, write_result
 from liepoisson.cli.progress import listening
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
-from liepoisson.numeric.methods import CHOICES, Auto, Method, Taylor, precisions
+from liepoisson.numeric.method.method import precisions
+from liepoisson.numeric.methods import CHOICES, Auto, Method, Taylor
 
 if TYPE_CHECKING:
     from pathlib import Path

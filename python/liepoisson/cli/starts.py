@@ -168,12 +168,15 @@ def _items(text: str) -> list[str]:
 
 def start_lines(system: System | VectorField, start: Start | PlainStart) -> list[str]:
     """What the commands print about a start: components, leaf, energy, and for a top bounds on its vectors."""
-    names = system.parts_of_state
-    size = len(system.component_names) // len(names)
-    width = max(8, *map(len, names))
+    sizes = dict.fromkeys(system.parts_of_state, 1)
+    if not isinstance(start, PlainStart):
+        bracket = start.leaf.system.bracket
+        sizes = {name: len(components) for name, components in bracket.vectors.items()}
+        sizes |= dict.fromkeys(bracket.scalars, 1)  # which come after the vectors
+    width = max(8, *map(len, sizes))
     lines = [f"{'start':<{width}} {start.origin}"]
-    for k, name in enumerate(names):
-        vector = start.state[k * size : (k + 1) * size]
+    vectors = np.split(start.state, np.cumsum([*sizes.values()]))
+    for name, vector in zip(sizes, vectors, strict=False):
         lines.append(f"  {name:<{width - 2}} {', '.join(f'{value:.9g}' for value in vector)}")
     return [*lines, *leaf_lines(system, start)]
 

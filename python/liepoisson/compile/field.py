@@ -146,15 +146,27 @@ class TapeFunction:
         n_components: Dimension of the state.
         instructions: (name, registers, numbers), in the order of execution.
         outputs: The register of each function.
+        guard: For a surface of section the register of a function that is positive on it: of the zeros of the first
+            output only those with this belong to the surface.  None: all do.
     """
 
     n_components: int
     instructions: tuple[Instruction, ...]
     outputs: tuple[int, ...]
+    guard: int | None = None
 
     def __post_init__(self) -> None:
         """Checks names, registers and numbers."""
         _check_lines(self)
+        if self.guard is not None:
+            _index(self.guard, self.n_components + len(self.instructions), "guard")
+
+    @property
+    def with_guard(self) -> TapeFunction:
+        """The functions with the guard as the second of them, as the core takes a surface; themselves without one."""
+        first, *others = self.outputs
+        guard = () if self.guard is None else (self.guard,)
+        return TapeFunction(self.n_components, self.instructions, (first, *guard, *others))
 
 
 @explains_its_methods

@@ -21,8 +21,10 @@ Names: TypeAlias = "Sequence[str] | Sequence[tuple[str, Sequence[str]]]"
 
 def names_of(bracket: Bracket) -> Names:
     """The coordinates of a bracket, as formulas call them."""
-    fields = list(bracket.field_names)
-    return fields if bracket.has_scalar_fields else [(field, list(bracket.algebra.basis_names)) for field in fields]
+    vectors, scalars = bracket.vectors, bracket.scalars
+    if not vectors:
+        return list(scalars)
+    return [(field, list(names)) for field, names in vectors.items()] + [(name, [""]) for name in scalars]
 
 
 def read_system(

@@ -30,6 +30,7 @@ from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.deadline import blocks, has_passed
 from liepoisson.leaf.leaf_search import representative
+from liepoisson.numeric.systems import periods_of_components
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 
@@ -65,6 +66,10 @@ class _Row:
 
     def counted(self) -> Equilibrium:
         return replace(self.first, n_found=self.n_found, family=self.kind)
+
+
+_BEFORE = 0.45
+"""Part of the turn of an angle that is below zero."""
 
 
 class EquilibriumSearch:
@@ -141,12 +146,22 @@ class EquilibriumSearch:
     def _add_from(self, starts: Array) -> None:
         states, residual = critical_points(self._equations, starts)
         good = is_critical(self._equations, states, residual)
-        states, residual = states[good], residual[good]
+        states, residual = self._within_a_turn(states[good]), residual[good]
         for state in states[np.argsort(residual, kind="stable")]:
             if has_passed():
                 break
             with suppress(TimeLimitError):  # whether it belongs to a family was not seen
                 self._add(state)
+
+    def _within_a_turn(self, states: Array) -> Array:
+        """States with angles within one turn, which does not begin at pi, where angles by round-off would lie apart."""
+        periods = periods_of_components(self._itself.system, states.shape[1]) / self._leaf.units
+        turning = np.isfinite(periods)
+        if not turning.any():
+            return states
+        within = states.copy()
+        within[:, turning] -= periods[turning] * np.floor(states[:, turning] / periods[turning] + _BEFORE)
+        return within
 
     def _add(self, state: Array) -> None:
         if (row := self._known_at(state)) is not None:

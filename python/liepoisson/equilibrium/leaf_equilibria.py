@@ -124,14 +124,19 @@ def equilibria(
 
     Raises:
         LeafError: the Casimirs have no state, or the equations of the leaf are not known.
-        ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs; `values` does not name the
-            integrals of `along`; one of these is not constant, or has no motion of its own; or `n_starts`,
-            `most_starts` or `seed` is no whole number.
+        ParameterError: the Hamiltonian depends on time; `leaf` is neither a leaf of the system nor values of its
+            Casimirs; `values` does not name the integrals of `along`; one of these is not constant, or has no motion of
+            its own; or `n_starts`, `most_starts` or `seed` is no whole number.
         TimeLimitError: the time limit passes before the search begins.
 
     References: [holm1985], for the equations; [milnor1963], for the sum.
     """
     system = as_system(system)
+    if system.clock is not None:
+        raise ParameterError(
+            f"system: wanted one that may rest; got {system.name}, whose Hamiltonian depends on time. Its orbits with "
+            f'the period of the drive are fixed points of first_return(system, starts, surface="{system.clock}", ...).'
+        )
     leaf = _leaf(system, leaf)
     n_starts, seed = as_count(n_starts, "n_starts", least=1), as_seed(seed)
     most = _MOST * n_starts if most_starts is None else as_count(most_starts, "most_starts", least=1)

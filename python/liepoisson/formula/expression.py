@@ -410,7 +410,7 @@ def _entries(value: Value) -> object:
 def _unknown_name(name: str, scope: Scope) -> str:
     if name in _TIME:
         hint = scope.suggestion(name)
-        return f"the name {name!r} is unknown. Systems are autonomous: no formula depends on time. {hint}"
+        return f"the name {name!r} is unknown. Time is t, and in the Hamiltonian of a Python System alone. {hint}"
     if name in FUNCTIONS:
         return f"{name} is a function and needs its arguments. Write {name}(...)"
     constant = f"{_NO_CONSTANTS[name]}. " if name in _NO_CONSTANTS else ""

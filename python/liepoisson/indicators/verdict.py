@@ -203,7 +203,7 @@ class Verdict(Run):
         restless = int(np.sum(self._waits_for_averages))
         said = (
             f"\n{restless} undecided only because averages still change: an orbit wanders slowly, which a longer run "
-            "settles, or a coordinate runs away, such as an angle"
+            "settles, or a coordinate runs away, such as an angle that was not declared"
         )
         return f"{counts}{why}  ({self.system.name}, t = {self.t_end:g}){said if restless else ''}"
 

@@ -39,6 +39,9 @@ GREEK = (
 )  # fmt: skip
 """Greek letters in the order of their code points; sigma stands twice for its final form."""
 
+TIME, MOMENTUM_OF_TIME = "t", "p_t"
+"""How time is called in a Hamiltonian that depends on it, and its momentum."""
+
 MAX_NAME = 100
 """Characters of the longest name."""
 

@@ -66,7 +66,8 @@ def place_of(system: System, x: Array) -> Place:
     rank = numeric_rank(system, x)
     listed = strata_of(system.bracket)
     for k, stratum in enumerate(listed):
-        if (stratum.proved or stratum.rank == rank) and _holds(stratum.locus, system.bracket, x):
+        by_rank = bool(stratum.locus.vanishing or stratum.locus.not_all_vanish)
+        if (stratum.rank == rank or (stratum.proved and not by_rank)) and _holds(stratum.locus, system.bracket, x):
             place = _place(system, stratum, x, is_open=k == 0)
             if _cuts_out(place, x, system.bracket):
                 return place
@@ -124,7 +125,9 @@ def _place(system: System, stratum: Stratum, x: Array, *, is_open: bool) -> Plac
         own = stratum.casimirs if stratum.rank else ()
         # They have no other name than what they are: l.alpha.
         casimirs = {notation.formula(casimir).plain: functions.of(casimir) for casimir in own}
-    pinned = _pinned(stratum.locus, system.bracket, x)
+    functions_there = [functions.of(f) for f in stratum.locus.vanishing]
+    pinned = np.concatenate([_pinned(stratum.locus, system.bracket, x), gradients_of(functions_there, x)])
+    pinned = pinned[linear.norm(pinned, axis=-1) > 0]
     return Place(stratum.condition, stratum.rank, is_open, casimirs, pinned, is_known=True)
 
 

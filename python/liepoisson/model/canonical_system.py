@@ -54,6 +54,7 @@ class CanonicalSystem(System):
         quadratures: Further components of the state by name, with their rates as functions of q and p: the cyclic
             angle of a reduced system.  Neither the Hamiltonian nor a rate may contain them.
         symbols: Names that stay symbolic; a vector with its length, as in "a[3]".
+        angles: The coordinates that are angles, modulo $2\pi$, in which all formulas must be periodic.
         name: How the system is called.
         integrals: Further known integrals by name; claims, which `inspect` proves.
         source: Where the system is described.
@@ -62,9 +63,11 @@ class CanonicalSystem(System):
         ShapeError: there is not one momentum for each coordinate.
         ParameterError: a name stands for two things or is no identifier, the Hamiltonian is of another kind, or it or
             the rate of a quadrature contains a quadrature.
-        BracketError: a parameter is named like a coordinate.
+        BracketError: a parameter is named like a coordinate, or an angle is no coordinate.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
     """
+
+    _knows_time = False
 
     def __init__(
         self,
@@ -75,6 +78,7 @@ class CanonicalSystem(System):
         parameters: Mapping[str, GivenValue] | None = None,
         quadratures: Mapping[str, str | Expr] | None = None,
         symbols: Sequence[str] = (),
+        angles: Sequence[str] = (),
         name: str = "canonical system",
         integrals: Mapping[str, str | Expr] | None = None,
         source: str | None = None,
@@ -95,7 +99,7 @@ class CanonicalSystem(System):
             parameters=parameters, symbols=(*coordinates, *momenta, *extra, *read_declarations(symbols))
         )
         self._quadrature_names: tuple[str, ...] = tuple(extra)
-        bracket = canonical(names=coordinates, momenta=momenta)
+        bracket = canonical(names=coordinates, momenta=momenta, angles=angles)
         super().__init__(
             bracket,
             hamiltonian,
@@ -110,6 +114,8 @@ class CanonicalSystem(System):
             self._refuse_quadratures("the Hamiltonian", self.hamiltonian)
             for angle, rate in self.quadratures.items():
                 self._refuse_quadratures(f"the rate of {angle}", rate)
+            rates_on_circles = {f"the rate of {angle}": rate for angle, rate in self.quadratures.items()}
+            self._check_on_circles(rates_on_circles, "Leave {name} out of angles.")
 
     def _refuse_quadratures(self, name: str, expression: Any) -> None:
         """What acts on the motion is no quadrature."""

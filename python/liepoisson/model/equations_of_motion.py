@@ -80,10 +80,12 @@ class EquationsOfMotion:
     Attributes:
         name: How the equations are called in texts and files.
         source: Where they are described.
+        clock: Name of the coordinate that is time, if there is one.
     """
 
     name: str
     source: str | None
+    clock: str | None = None
     _kept_values: dict[str, Kept]
     _numbers: dict[str, Coefficient]
     _given_symbols: tuple[str, ...]
@@ -113,6 +115,19 @@ class EquationsOfMotion:
     def parts_of_state(self) -> tuple[str, ...]:
         """What the state consists of, in messages."""
         raise NotImplementedError
+
+    @cached_property
+    def periods(self) -> dict[str, Expr]:
+        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle."""
+        raise NotImplementedError
+
+    def _check_on_circles(self, functions: Mapping[str, Expr], hint: str) -> None:
+        """Refuse functions that are not periodic in the coordinates on circles; by what they are in messages."""
+        if self.periods:
+            from liepoisson.structure.circles import check_on_circles
+
+            periods: Any = {str(x): (x, self.periods[str(x)]) for x in self.variables if str(x) in self.periods}
+            check_on_circles(functions.items(), periods, hint)
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:

@@ -164,8 +164,7 @@ def scope_of(
     Raises:
         ParameterError: as for a scope.
     """
-    scalars = bracket.field_names if bracket.has_scalar_fields else ()
-    fields = {} if scalars else dict.fromkeys(bracket.field_names, bracket.algebra.basis_names)
+    scalars, fields = bracket.scalars, bracket.vectors
     symbols = (*scalars, *symbols)
     remark = _about_fields(bracket)
     known = Scope(fields, parameters or {}, symbols, scalars, remark)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import Coefficient, symbols_of
 from liepoisson.compile.field import Field, PiecesField, field_of
 from liepoisson.compile.typed import Names, names_of, read_system
-from liepoisson.errors import ParameterError, SystemFileError, did_you_mean
+from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import GivenValue, Kept, flattened, read_kept_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -27,6 +27,7 @@ from liepoisson.model.hamiltonian import (
     read_pairs_of_functions,
     scope_of,
 )
+from liepoisson.model.time_dependence import check_period, given_text, suspended
 from liepoisson.structure.bracket import Bracket, with_coefficients
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.given_expressions import check_real
@@ -52,6 +53,10 @@ def _bracket_hint(given: Any) -> str:
     if isinstance(given, Extension):
         return "an extension is half of one: write so(3) @ extension"
     return "write for example so(3) @ leibniz(3, 1), or PoissonTensor(variables, entries)"
+
+
+_NOT_PERIODIC = "Write it by sines and cosines of {name}, or leave {name} out of angles."
+"""What to do about a formula that is none on the circle."""
 
 
 class AsGiven(NamedTuple):
@@ -88,6 +93,9 @@ class System(EquationsOfMotion):
             one SymPy column per field (l, alpha, beta for three fields) and returns such an expression.
         parameters: Values by name, for symbols that occur in the bracket or the Hamiltonian: numbers, vectors (lists)
             or matrices (lists of rows).
+        period: After which time a Hamiltonian that depends on time repeats itself: a number, or a formula in the
+            parameters, "2*pi/w".  Time is the name t in the formula, where nothing else is called so; then the state
+            is followed by t and its momentum p_t (`liepoisson.structure.suspension`).
         name: How the system is called in texts and files.
         symbols: Parameters that stay symbolic, besides those of the bracket; a vector with its length, as in "a[3]".
         integrals: Further known integrals by name, as text or expressions.  They are claims: `inspect` proves them.
@@ -96,11 +104,15 @@ class System(EquationsOfMotion):
 
     Raises:
         ParameterError: the Hamiltonian is of none of these kinds, or has a part that is neither a coordinate nor a
-            declared parameter, or a function that is not smooth; `parameters` is not a mapping from names, or a
+            declared parameter, or a function that is not smooth, or is not periodic in an angle, or in time with the
+            period; `parameters` is not a mapping from names, or a
             parameter is not exact.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         BracketError: a parameter is named like a coordinate.
     """
+
+    _knows_time: ClassVar[bool] = True
+    """Whether t is time in the Hamiltonian."""
 
     @explains_its_arguments
     def __init__(
@@ -109,6 +121,7 @@ class System(EquationsOfMotion):
         hamiltonian: Hamiltonian,
         parameters: Mapping[str, GivenValue] | None = None,
         *,
+        period: str | float | Expr | None = None,
         name: str | None = None,
         symbols: Sequence[str] = (),
         integrals: Mapping[str, str | Expr] | None = None,
@@ -118,8 +131,10 @@ class System(EquationsOfMotion):
         if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise not_a("a Bracket", bracket, "bracket", _bracket_hint(bracket))
         check_hamiltonian(hamiltonian, bracket)
-        self._given_hamiltonian = hamiltonian
         self._given_symbols = read_declarations(symbols)
+        if self._knows_time:
+            bracket, hamiltonian = suspended(bracket, hamiltonian, parameters, self._given_symbols, period)
+        self._given_hamiltonian = hamiltonian
         self._given_integrals = read_functions(integrals, "integrals")
         self._given_partial_integrals = read_pairs_of_functions(partial_integrals)
         self._kept_values: dict[str, Kept] = read_kept_values(parameters)
@@ -135,11 +150,18 @@ class System(EquationsOfMotion):
         self.source: str | None = source if source is None else check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
+        if self.bracket.period is not None:
+            check_period(self.hamiltonian, self.variables[-2], self.bracket.period)
+        if self.bracket.angles:
+            self._check_on_circles({"the Hamiltonian": self.hamiltonian}, _NOT_PERIODIC)
 
     def _check_hamiltonian(self) -> None:
         """Read the Hamiltonian, so that its errors come where it is written."""
         if isinstance(self._given_hamiltonian, str):
-            _ = self.polynomial_hamiltonian or self._typed or self.hamiltonian
+            try:
+                _ = self.polynomial_hamiltonian or self._typed or self.hamiltonian
+            except ExpressionError as error:  # about the formula as it was given
+                raise ExpressionError(error.message, given_text(error.text), error.position) from None
         else:
             _ = self.symbolic_hamiltonian
 
@@ -153,6 +175,16 @@ class System(EquationsOfMotion):
         """Names of the coordinates, in the order of the state vector."""
         return self.bracket.coordinate_names_in_order
 
+    @cached_property
+    def periods(self) -> dict[str, Expr]:
+        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle, that of time."""
+        return self.bracket.periods
+
+    @property
+    def clock(self) -> str | None:
+        """Name of the coordinate that is time, if the Hamiltonian depends on it: t."""
+        return self.bracket.clock
+
     @property
     def parts_of_state(self) -> tuple[str, ...]:
         """What the state consists of, in messages: the fields, then what is found by quadrature."""
@@ -161,14 +193,15 @@ class System(EquationsOfMotion):
     @property
     def vector_length(self) -> int:
         """Number of components of each field: the dimension of the Lie algebra; all where fields are scalars."""
-        return self.bracket.dimension if self.bracket.has_scalar_fields else self.bracket.algebra.dimension
+        lengths = {len(components) for components in self.bracket.vectors.values()}
+        return lengths.pop() if lengths else self.bracket.dimension
 
     @property
     def as_given(self) -> AsGiven:
         """What a file of this system has to say, in the words in which it was given."""
         given = self._given_hamiltonian
         return AsGiven(
-            given if isinstance(given, str) else None,
+            given_text(given) if isinstance(given, str) else None,
             tuple(self._given_symbols),
             dict(self._given_integrals),
             dict(self._given_partial_integrals),

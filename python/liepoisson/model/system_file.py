@@ -11,12 +11,14 @@
     symbols = ["epsilon", "a[3]"]          # parameters without a value, vectors with their length
     [hamiltonian]
     expression = "dot(l, inv(I)*l)/2 + dot(a, alpha)"
+    period = "2*pi/w"                      # if the formula depends on time t, and repeats itself
 
 A canonical bracket is written instead of an algebra:
 
     [bracket]
     canonical = 2                          # {q_i, p_i} = 1 for q1, q2, p1, p2
     canonical = ["theta", "phi"]           # or by names; momenta p_theta, p_phi, or momenta = ["u", "v"]
+    angles = ["theta"]                     # coordinates of this or any other bracket modulo 2 pi, if there are
     [quadratures]                          # further components of the state, if there are, with their rates
     psi = "p_theta - cos(theta)"
 
@@ -41,7 +43,7 @@ and, where they are known, a source, a description, integrals and reference valu
 
 A plain vector field has its equations in the place of bracket and Hamiltonian:
 
-    name = "Lorenz"
+    name = "Lorenz"                        # and angles = [...] here, if a coordinate is one
     [equations]
     x = "sigma*(y - x)"
     y = "x*(rho - z) - y"
@@ -225,6 +227,7 @@ class SystemFile(EquationsFile):
         name: How the system is called.
         bracket: The bracket, with the names of its fields; parameters in it are symbols.
         hamiltonian: The formula of the Hamiltonian.
+        period: The formula of its period in time, or None.
         parameters: Values by name: exact numbers, vectors, matrices.
         symbols: Parameters without value, as declared: "epsilon", "a[3]".
         integrals: Functions that are claimed to be constant, by name.
@@ -239,6 +242,7 @@ class SystemFile(EquationsFile):
     name: str
     bracket: Bracket
     hamiltonian: str
+    period: str | None = None
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     symbols: tuple[str, ...] = ()
     integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral], hash=False)
@@ -252,7 +256,15 @@ class SystemFile(EquationsFile):
     @cached_property
     def scope(self) -> Scope:
         """The names that the formulas of the file may use."""
-        return scope_of(self.bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
+        return scope_of(self.whole_bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
+
+    @cached_property
+    def whole_bracket(self) -> Bracket:
+        """The bracket, with time and its momentum where the Hamiltonian depends on time."""
+        from liepoisson.model.time_dependence import suspended
+
+        parameters = cast("Mapping[str, Any]", self.parameters)
+        return suspended(self.bracket, self.hamiltonian, parameters, self.symbols, self.period)[0]
 
     @property
     def formulas(self) -> dict[tuple[str, ...], str]:
@@ -302,7 +314,7 @@ class SystemFile(EquationsFile):
         from liepoisson.model.polynomial_view import read_polynomial
         from liepoisson.model.system import System
 
-        names = self.bracket.coordinate_names_in_order
+        names = self.whole_bracket.coordinate_names_in_order
         for keys, text in self.formulas.items():
             try:
                 if read_polynomial(text, self.scope, names) is None and not self._is_read_by_the_core(text):
@@ -318,6 +330,7 @@ class SystemFile(EquationsFile):
                 self.bracket,
                 self.hamiltonian,
                 cast("Any", self.parameters),
+                period=self.period,
                 name=self.name,
                 symbols=self.symbols,
                 integrals={name: item.expression for name, item in integrals.items()},
@@ -331,7 +344,7 @@ class SystemFile(EquationsFile):
         """Whether the core takes a formula, as SymPy then does; where it does not, SymPy says what is wrong."""
         if self.symbols or self.quadratures:
             return False
-        return read_system(names_of(self.bracket), None, text, self.parameters) is not None
+        return read_system(names_of(self.whole_bracket), None, text, self.parameters) is not None
 
     def canonical_system(self) -> System:
         """The same as a `CanonicalSystem`, with its quadratures; the bracket must be canonical."""
@@ -345,6 +358,7 @@ class SystemFile(EquationsFile):
             self.hamiltonian,
             parameters=cast("Any", self.parameters),
             quadratures=self.quadratures,
+            angles=self.bracket.angles,
             name=self.name,
             integrals=integrals,
             source=self.source,

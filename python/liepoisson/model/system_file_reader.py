@@ -40,11 +40,11 @@ _KEYS: dict[str, tuple[str, ...]] = {
     for table, keys in {
         "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
         "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta "
-        "tensor casimirs",
-        "hamiltonian": "expression",
+        "tensor casimirs angles",
+        "hamiltonian": "expression period",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
-        "vector field": "name source description equations parameters integrals",
+        "vector field": "name source description angles equations parameters integrals",
     }.items()
 }
 
@@ -139,6 +139,7 @@ class _Reader(TomlReader):
             name=self.name(tables.get("name", Path(self.toml.path).stem)),
             bracket=bracket,
             hamiltonian=self.hamiltonian(tables["hamiltonian"]),
+            period=self.period(tables["hamiltonian"]),
             parameters=parameters,
             symbols=symbols,
             integrals=self.integrals(self.table(("integrals",), tables.get("integrals", {}))),
@@ -167,6 +168,7 @@ class _Reader(TomlReader):
             equations=read["equations"],
             parameters={name: self.value(("parameters", name), v) for name, v in given.items() if name != "symbols"},
             symbols=self.symbols({}, given),
+            angles=tuple(self.texts(("angles",), tables.get("angles", []))),
             integrals=read["integrals"],
             source=self.optional_text(("source",), tables),
             path=self.toml.path,
@@ -183,11 +185,21 @@ class _Reader(TomlReader):
 
     def bracket(self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Bracket:
         self.check_keys(("bracket",), table, _KEYS["bracket"])
+        found = self.bracket_without_angles(table, parameters, symbols)
+        if "angles" not in table:
+            return found
+        angles = self.texts(("bracket", "angles"), table["angles"])
+        return self.guarded(("bracket", "angles"), lambda: found.with_angles(angles))
+
+    def bracket_without_angles(
+        self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]
+    ) -> Bracket:
         declared = [*_declarations(parameters), *symbols]
         self.guarded(("parameters",), lambda: Scope(symbols=declared))
         if "canonical" in table:
             return self.canonical(table)
-        if "tensor" in table or "casimirs" in table:
+        of_algebra = "algebra" in table or "structure_constants" in table
+        if "tensor" in table or ("casimirs" in table and not of_algebra):
             return self.tensor(table, declared)
         algebra = self.algebra(table, declared)
         extension = self.extension(table, declared)
@@ -199,7 +211,14 @@ class _Reader(TomlReader):
             extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
         named = next((key for key in ("variables", "basis_names") if key in table), None)
         found = self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
-        return self.with_constant(found, table["constant"], declared) if "constant" in table else found
+        found = self.with_constant(found, table["constant"], declared) if "constant" in table else found
+        if "casimirs" not in table:
+            return found
+        keys = ("bracket", "casimirs")
+        casimirs = self.texts(keys, table["casimirs"])
+        own = sorted(found.symbols)
+        more = [one for one in declared if one.partition("[")[0].strip() not in own]
+        return self.guarded(keys, lambda: found.with_casimirs(casimirs, symbols=more))
 
     def with_constant(self, bracket: Bracket, given: object, symbols: Sequence[str]) -> Bracket:
         """The bracket with the constant part of a table: constant.l1.l2 = "k" adds k to {l1, l2}."""
@@ -214,8 +233,8 @@ class _Reader(TomlReader):
         """The bracket of a Poisson tensor that is given by formulas: tensor.x.y = "x*y" is {x, y} = x y."""
         from liepoisson.structure.tensor_bracket import PoissonTensor
 
-        if other := next((key for key in table if key not in ("variables", "tensor", "casimirs")), None):
-            message = "a Poisson tensor is given by variables, tensor and casimirs alone. Remove the key."
+        if other := next((key for key in table if key not in ("variables", "tensor", "casimirs", "angles")), None):
+            message = "a Poisson tensor is given by variables, tensor, casimirs and angles alone. Remove the key."
             raise self.toml.error(("bracket", other), message)
         if missing := next((key for key in ("variables", "tensor") if key not in table), None):
             raise self.toml.error(("bracket",), f"wanted the key {missing} of a Poisson tensor. Write it.")
@@ -236,8 +255,8 @@ class _Reader(TomlReader):
         """The canonical bracket of a number of degrees of freedom, or of coordinates by name."""
         from liepoisson.structure.canonical_bracket import canonical
 
-        if other := next((key for key in table if key not in ("canonical", "momenta")), None):
-            message = "a canonical bracket is given by canonical and momenta alone. Remove the key."
+        if other := next((key for key in table if key not in ("canonical", "momenta", "angles")), None):
+            message = "a canonical bracket is given by canonical, momenta and angles alone. Remove the key."
             raise self.toml.error(("bracket", other), message)
         keys, given = ("bracket", "canonical"), table["canonical"]
         if not isinstance(given, list):
@@ -287,6 +306,13 @@ class _Reader(TomlReader):
             message = 'wanted the key expression. Write for example expression = "dot(l, l)/2".'
             raise self.toml.error(("hamiltonian",), message)
         return self.text(("hamiltonian", "expression"), table["expression"])
+
+    def period(self, table: dict[str, Any]) -> str | None:
+        """The formula of the period in time, if there is one; a number may stand without quotes."""
+        if "period" not in table:
+            return None
+        keys, given = ("hamiltonian", "period"), table["period"]
+        return self.text(keys, given) if isinstance(given, str) else str(self.number(keys, given))
 
     def integrals(self, table: dict[str, Any]) -> dict[str, Integral]:
         found: dict[str, Integral] = {}
@@ -376,6 +402,7 @@ class _Reader(TomlReader):
 
     def check_formulas(self, file: SystemFile) -> None:
         """Refuse unknown names and unused parameters; what needs SymPy is checked when the system is made."""
+        self.guarded(("hamiltonian", "expression" if file.period is None else "period"), lambda: file.whole_bracket)
         scope = self.guarded(("parameters",), lambda: file.scope)
         used = {scope.owner(name) for name in file.bracket.symbols}
         for keys, text in file.formulas.items():

@@ -15,6 +15,7 @@ from liepoisson.errors import LiePoissonError, SystemFileError
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.toml_text import parse_toml
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.names import MOMENTUM_OF_TIME
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import write_atomically
 from liepoisson.model.canonical_system import CanonicalSystem
@@ -23,6 +24,7 @@ from liepoisson.model.system import System
 from liepoisson.model.system_file_reader import parse_system_file, read_equations
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.canonical_bracket import canonical
+from liepoisson.structure.suspension import Suspension
 from liepoisson.structure.tensor_bracket import PoissonTensor
 
 if TYPE_CHECKING:
@@ -47,15 +49,21 @@ def system_text(system: System) -> str:
     given = system.as_given
     symbolic = given.hamiltonian is not None
     bracket = system.symbolic_bracket if symbolic else system.bracket
+    period = bracket.period
+    if isinstance(bracket, Suspension):
+        bracket = bracket.base
     values = system.values if symbolic else {}
     tables: dict[str, Any] = {"name": system.name}
     if system.source:
         tables["source"] = system.source
-    tables["bracket"] = _bracket_table(system, bracket)
+    angles = {"angles": list(bracket.angles)} if bracket.angles else {}
+    tables["bracket"] = {**_bracket_table(system, bracket), **angles}
     tables["parameters"] = {name: _value(value) for name, value in values.items()}
     if symbols := _symbols(system, bracket, given.symbols if symbolic else ()):
         tables["parameters"]["symbols"] = symbols
-    tables["hamiltonian"] = {"expression": given.hamiltonian or formula_text(system.hamiltonian)}
+    tables["hamiltonian"] = {"expression": given.hamiltonian or formula_text(_without_momentum(system))}
+    if period is not None:
+        tables["hamiltonian"]["period"] = formula_text(period)
     tables["integrals"] = _integrals(system, symbolic=symbolic)
     if isinstance(system, CanonicalSystem) and system.quadratures:
         tables["quadratures"] = {name: formula_text(rate) for name, rate in system.quadratures.items()}
@@ -84,6 +92,7 @@ def vector_field_text(field: VectorField) -> str:
     """
     given = field.as_given
     tables: dict[str, Any] = {"name": field.name} | ({"source": field.source} if field.source else {})
+    tables |= {"angles": list(field.angles)} if field.angles else {}
     tables["equations"], tables["integrals"] = (
         {name: f if isinstance(f, str) else formula_text(f) for name, f in formulas.items()}
         for formulas in (given.equations, given.integrals)
@@ -97,6 +106,7 @@ def vector_field_text(field: VectorField) -> str:
         same = found.as_given == given or (
             _are_same(*({str(x): f for x, f in one.equations.items()} for one in (found, field)))
             and _are_same(found.integrals, field.integrals)
+            and found.periods == field.periods
         )
     except LiePoissonError as error:
         raise SystemFileError(f"the vector field {field.name!r} cannot be written as a file ({error})") from error
@@ -157,6 +167,7 @@ def _check(text: str, system: System, *, symbolic: bool) -> None:
         same = (
             found.component_names == system.component_names
             and found.bracket.terms() == system.bracket.terms()
+            and found.periods == system.periods
             and _are_equal(found.hamiltonian, system.hamiltonian)
             and _are_same(found.integrals, system.integrals)
             and _are_same(_pairs(found.partial_integrals), _pairs(system.partial_integrals))
@@ -170,6 +181,13 @@ def _check(text: str, system: System, *, symbolic: bool) -> None:
             f"the system {system.name!r} cannot be written as a system file: what is read back is not the same. Give "
             "the Hamiltonian as a text."
         )
+
+
+def _without_momentum(system: System) -> Any:
+    """The Hamiltonian without the momentum of time, which is written nowhere."""
+    from sympy import Symbol
+
+    return system.hamiltonian if system.clock is None else system.hamiltonian - Symbol(MOMENTUM_OF_TIME)
 
 
 def _are_same(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
@@ -200,6 +218,8 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
         for (i, j), value in bracket.constant.items():
             rows.setdefault(names[i], {})[names[j]] = formula_text(to_sympy(value))
         table["constant"] = rows
+    if bracket.given_casimirs:
+        table["casimirs"] = [formula_text(casimir) for casimir in bracket.given_casimirs]
     return table
 
 

@@ -24,6 +24,7 @@ from liepoisson.inputs.refusals import NO_BRACKET, not_a
 from liepoisson.model.equations_of_motion import EquationsOfMotion, check_source
 from liepoisson.model.hamiltonian import is_expression, read_declarations, read_functions
 from liepoisson.model.polynomial_view import bracket_with, occurring, read_polynomial
+from liepoisson.structure.circles import read_angles, turn
 from liepoisson.structure.given_expressions import check_real
 
 if TYPE_CHECKING:
@@ -42,11 +43,13 @@ class AsGiven(NamedTuple):
         equations: The rates by the names of the coordinates.
         symbols: Parameters that stay symbolic, as they were declared.
         integrals: By name.
+        angles: The coordinates that are angles.
     """
 
     equations: dict[str, str | Expr]
     symbols: tuple[str, ...]
     integrals: dict[str, str | Expr]
+    angles: tuple[str, ...] = ()
 
 
 @explains_its_methods
@@ -70,13 +73,17 @@ class VectorField(EquationsOfMotion):
         parameters: Values by name, for symbols that occur in the equations: numbers, vectors (lists) or matrices.
         name: How the vector field is called in texts and files.
         symbols: Parameters that stay symbolic; a vector with its length, as in "a[3]".
+        angles: The coordinates that are angles, modulo $2\pi$, in which the equations must be periodic.
         integrals: Known integrals by name, as text or expressions.  They are claims, which `invariants` proves.
         source: Where the vector field is described.
 
     Raises:
         ParameterError: there is no equation, one is neither a text nor an expression or not finite and real, a name
-            stands for two things or is no identifier, or a parameter is not exact or does not occur.
+            stands for two things or is no identifier, a parameter is not exact or does not occur, or an equation is not
+            periodic in an angle.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+        BracketError: an angle is none of the coordinates.
+        ShapeError: the angles are no sequence of names.
     """
 
     def __init__(
@@ -86,10 +93,12 @@ class VectorField(EquationsOfMotion):
         *,
         name: str | None = None,
         symbols: Sequence[str] = (),
+        angles: Sequence[str] = (),
         integrals: Mapping[str, str | Expr] | None = None,
         source: str | None = None,
     ) -> None:
         self._given_equations = _read_equations(equations)
+        self.angles = read_angles(angles, tuple(self._given_equations))
         self._given_symbols: tuple[str, ...] = read_declarations(symbols)
         self._given_integrals: dict[str, str | Expr] = read_functions(integrals, "integrals")
         self._kept_values = read_kept_values(parameters)
@@ -105,11 +114,14 @@ class VectorField(EquationsOfMotion):
                     "the formula into the equations."
                 )
         _ = self._polynomials or self._is_typed or self.equations
+        if self.angles:
+            rates = {f"the rate of {variable}": rate for variable, rate in self.equations.items()}
+            self._check_on_circles(rates, "Write it by sines and cosines of {name}, or leave {name} out of angles.")
 
     @property
     def as_given(self) -> AsGiven:
         """What a file of this vector field has to say, in the words in which it was given."""
-        return AsGiven(dict(self._given_equations), self._given_symbols, dict(self._given_integrals))
+        return AsGiven(dict(self._given_equations), self._given_symbols, dict(self._given_integrals), self.angles)
 
     @property
     def component_names(self) -> tuple[str, ...]:
@@ -132,6 +144,11 @@ class VectorField(EquationsOfMotion):
         from sympy import Symbol
 
         return tuple(Symbol(name) for name in self.component_names)
+
+    @cached_property
+    def periods(self) -> dict[str, Expr]:
+        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle."""
+        return dict.fromkeys(self.angles, turn()) if self.angles else {}
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:

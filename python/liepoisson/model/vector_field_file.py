@@ -29,6 +29,7 @@ class VectorFieldFile(EquationsFile):
         equations: The rates by the names of the coordinates, in the order of the state.
         parameters: Values by name: exact numbers, vectors, matrices.
         symbols: Parameters without value, as declared: "epsilon", "a[3]".
+        angles: Names of coordinates that are angles.
         integrals: Formulas that are claimed to be constant, by name.
         source: Where the vector field is described, or None.
         path: The file, as messages call it.
@@ -39,6 +40,7 @@ class VectorFieldFile(EquationsFile):
     equations: Mapping[str, str]
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     symbols: tuple[str, ...] = ()
+    angles: tuple[str, ...] = ()
     integrals: Mapping[str, str] = field(default_factory=dict[str, str], hash=False)
     source: str | None = None
     path: str = "file of a vector field"
@@ -69,6 +71,7 @@ class VectorFieldFile(EquationsFile):
                 cast("Any", self.parameters),
                 name=self.name,
                 symbols=self.symbols,
+                angles=self.angles,
                 integrals=self.integrals,
                 source=self.source,
             )

@@ -68,7 +68,8 @@ def sample_states(
     - `"cube"`: each component independent and uniform in $[-1, 1]$;
     - `"gaussian"`: each component independent and normal with mean 0 and variance 1.
 
-    None of them fixes the energy or the Casimirs: averages over them mix leaves and energies.
+    None of them fixes the energy or the Casimirs: averages over them mix leaves and energies.  Time and its momentum
+    are not drawn: they are zero.
 
     Example:
         >>> lp.sample_states(lp.Top.kovalevskaya(), 20, seed=7).shape
@@ -93,9 +94,10 @@ def sample_states(
     if draw is None:
         raise unknown_ensemble(ensemble)
     components = as_field(system).n_components
-    return _draw(
-        draw, components, n_starts, seed, length=vector_length(system, components), first=first, purpose=Purpose.STATES
-    )
+    drawn = components if getattr(system, "clock", None) is None else components - 2
+    length = min(vector_length(system, components), drawn)
+    states = _draw(draw, drawn, n_starts, seed, length=length, first=first, purpose=Purpose.STATES)
+    return states if drawn == components else np.pad(states, ((0, 0), (0, 2)))
 
 
 def as_first(first: int, n: int) -> int:

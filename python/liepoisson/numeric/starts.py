@@ -130,9 +130,13 @@ def _meant(name: object, numbers: Any, places: Mapping[str, range]) -> str:
 def _places(system: Any) -> dict[str, range]:
     """Where the vectors and the components of a state are, by name."""
     names = component_names(system, as_field(system).n_components)
-    vectors, size = tuple(getattr(system, "parts_of_state", ())), vector_length(system, len(names))
-    if len(vectors) * size != len(names) or vectors == names:
-        vectors = ()
+    if getattr(system, "clock", None) is not None:  # time and its momentum come after the vectors
+        vectors: tuple[str, ...] = tuple(system.bracket.vectors)
+        size = vector_length(system, len(names))
+    else:
+        vectors, size = tuple(getattr(system, "parts_of_state", ())), vector_length(system, len(names))
+        if len(vectors) * size != len(names) or vectors == names:
+            vectors = ()
     places = {vector: range(k * size, (k + 1) * size) for k, vector in enumerate(vectors)}
     return places | {name: range(k, k + 1) for k, name in enumerate(names)}
 

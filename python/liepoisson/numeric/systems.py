@@ -80,6 +80,14 @@ def component_names(system: Any, n: int) -> tuple[str, ...]:
     return TOP_COMPONENTS if n == len(TOP_COMPONENTS) else tuple(f"x{i + 1}" for i in range(n))
 
 
+def periods_of_components(system: Any, n: int) -> Array:
+    """The period of each component that is a point of a circle, infinite for the others, shape (component,)."""
+    known: Mapping[str, Any] = getattr(system, "periods", {})
+    if not known:
+        return np.full(n, np.inf)
+    return np.array([float(known.get(name, np.inf)) for name in component_names(system, n)])
+
+
 class HasFunctions(HasField, Protocol):
     """A system with a bracket: energy, Casimirs, Poisson tensor and other functions of the state, at many states."""
 

@@ -28,7 +28,7 @@ from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.numeric.systems import HasField, as_field, periods_of_components
 from liepoisson.portable import elementary, linear
 
 N_POINTS = 8
@@ -92,10 +92,10 @@ class OrbitUnits(NamedTuple):
     Attributes:
         time: As `time_scale` returns it, shape (trajectory,).
         component: Root mean square of each component of the state along the first stretch, shape (trajectory,
-            component).  Of components that are zero or less than 1e-6 of the largest one the size is no unit, as it may
-            be round-off: they have the unit of the largest one, or a smaller one in which they act on the others about
-            as strongly as these on them, if that is less than 1e-6 of it.  The largest unit is 1 where all components
-            are zero, and all are where the orbit failed.
+            component), at most a radian of an angle, which may turn.  Of components that are zero or less than 1e-6 of
+            the largest one the size is no unit, as it may be round-off: they have the unit of the largest one, or a
+            smaller one in which they act on the others about as strongly as these on them, if that is less than 1e-6
+            of it.  The largest unit is 1 where all components are zero, and all are where the orbit failed.
     """
 
     time: Array
@@ -132,7 +132,8 @@ def orbit_units(system: HasField, starts: StartsLike, options: RunOptions) -> Or
             break
         chunk = good[start : start + _CHUNK]
         rate[chunk], size[chunk], slopes[chunk] = _rates(run, states[chunk])
-    return OrbitUnits(1.0 / rate, _units(size, slopes))
+    radian = periods_of_components(system, states.shape[1]) / (2 * np.pi)
+    return OrbitUnits(1.0 / rate, _units(np.minimum(size, radian), slopes))
 
 
 def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:

@@ -90,7 +90,7 @@ class Level(ReadOnlyArrays):
         largest = np.abs(states).max(axis=0, initial=0.0)
         sizes = largest * np.sqrt(((states / np.where(largest > 0, largest, 1.0)) ** 2).mean(axis=0))
         bracket = self.system.bracket
-        if bracket.entries():
+        if not bracket.is_linear or bracket.entries():
             groups = np.array(unit_groups(bracket))
             sizes = np.array([sizes[groups == k].max() for k in groups])
         else:
@@ -204,9 +204,15 @@ def level_of(system: System, leaf: Leaf | Mapping[str, float | str], energy: flo
 
     Raises:
         LeafError: no state has these values of the Casimirs, or the leaf is not regular.
-        ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs, or a value is not finite.
+        ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs, a value is not finite, or the
+            Hamiltonian depends on time.
     """
     system = as_system(system)
+    if system.clock is not None:
+        raise ParameterError(
+            f"system: wanted one whose Hamiltonian does not depend on time, so that orbits close; got {system.name}, "
+            f'whose t grows. The derivative of return_map(system, "{system.clock}", t_end=...) leads to fixed points.'
+        )
     given: Any = leaf
     if isinstance(given, Leaf):
         if not are_equal(given.system, system):

@@ -107,7 +107,8 @@ def default_surface(leaf: Leaf, *, energy: float | None = None, direction: int =
     r"""A surface that recurrent orbits of a leaf meet again and again: where the rate of a bounded function vanishes.
 
     For a top with two fields that function is $\ell\cdot\beta$ (see `good_surface`).  Otherwise, or where its rate
-    vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.  Every recurrent
+    vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.  Of a Hamiltonian
+    that is periodic in time it is t, whose section is the stroboscopic map.  Every recurrent
     orbit of the leaf meets it; it is what the command `section` takes for one orbit, given by `--start`.
 
     For several orbits of one energy the command takes what comes with `energy`: where the section is a plane that this
@@ -142,8 +143,10 @@ def default_surface(leaf: Leaf, *, energy: float | None = None, direction: int =
 def surface_and_reason(leaf: Leaf, energy: float | None, *, direction: int = 1, seed: int = 0) -> tuple[str, str]:
     """`default_surface`, and why it was taken."""
     from liepoisson.poincare.section_sheets import section_axes
-    from liepoisson.poincare.surfaces import section_starts
+    from liepoisson.poincare.surfaces import as_leaf, section_starts
 
+    if (clock := as_leaf(leaf).system.clock) is not None and clock in leaf.system.periods:
+        return clock, "time: once in each period"
     default, of = chosen_surface(leaf)
     by_default = default, f"the rate of {of}"
     if energy is None or leaf.rank != _TWO_DEGREES:

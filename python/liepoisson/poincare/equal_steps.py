@@ -189,12 +189,13 @@ class _Walk:
                 part = 0.0 if near and k == 0 else self._part(float(times[k + 1] - times[k]), states[k])
                 if part is not None:
                     state = after(self.system, states[k], part, self.method)
-                    self.crossings.append((float(times[k]) + part, state, side))
+                    if self._is_guarded(state):
+                        self.crossings.append((float(times[k]) + part, state, side))
             if not is_seen:
                 self.n_unseen += 1
                 self.undefined += float(abs(times[k + 1] - times[k]))
                 self.seen_to = float(times[k]) if self.seen_to is None else self.seen_to
-            self.lies_in_it &= values[k] == 0 == values[k + 1]
+            self.lies_in_it &= values[k] == 0 == values[k + 1] and self._is_guarded(states[k])
             self.side, self.state, self.time = side or self.side, states[k + 1].copy(), float(times[k + 1])
             self.n_steps += 1
             if len(self.crossings) == wanted[1]:
@@ -229,6 +230,10 @@ class _Walk:
                 moved = -1
             best = min(best, (abs(value), middle))
         return None if best[0] > 0.0 and min(sizes) >= largest else float(best[1])
+
+    def _is_guarded(self, state: Array) -> bool:
+        """Whether a zero of the function belongs to the surface."""
+        return self.tape.guard is None or bool(values_of_tape(self.tape.with_guard, state)[1] > 0)
 
     def _value(self, state: Array, time: float) -> float:
         return float(values_of_tape(self.tape, after(self.system, state, time, self.method))[0])

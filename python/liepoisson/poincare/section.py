@@ -380,7 +380,9 @@ def section(
         system: What is integrated.
         surface: The function $s$: a text like that of a Hamiltonian ("dot(l, beta)"), a SymPy expression in the
             variables of the system, a function of `System.functions`, or a `TapeFunction`, whose first output is $s$
-            and whose further ones are kept.
+            and whose further ones are kept.  Where a coordinate is an angle or periodic time, s may change by a
+            constant m after each turn, as "theta - 1/2" and "theta1 - theta2" do by $2\pi$; then the surface is
+            $s = 0$ modulo m: $\sin(2\pi s/m) = 0$ with a positive cosine.
         t_end: Time at which each trajectory ends at the latest; negative: backwards.
         direction: +1 for crossings where $s$ increases in the order of travel, -1 where it decreases, 0 for both.
         n_crossings: End each trajectory after so many crossings: at the last one, as soon as the sign of $s$ after it
@@ -428,7 +430,8 @@ def section(
         raw = _core.sections(
             core_field(field),
             method.core(),
-            (tape.n_components, list(tape.instructions), list(tape.outputs)),
+            (tape.n_components, list(tape.instructions), list(tape.with_guard.outputs)),
+            tape.guard is not None,
             states.ravel(),
             np.array([0.0, end]),
             sense,

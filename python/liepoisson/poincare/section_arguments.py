@@ -24,7 +24,6 @@ from liepoisson.numeric.systems import has_bracket, reads_formulas
 if TYPE_CHECKING:
     from sympy import Expr
 
-
 Function: TypeAlias = "str | Expr | HasExpression"
 """A function of the state."""
 
@@ -36,14 +35,14 @@ _CHANGE = 1e-6
 
 def read_tape(record: dict[str, Any]) -> TapeFunction:
     """The functions that a file has as data."""
-    return TapeFunction(record["n_components"], record["instructions"], record["outputs"])
+    return TapeFunction(record["n_components"], record["instructions"], record["outputs"], record.get("guard"))
 
 
 def surface_alone(surface: Function | TapeFunction) -> Function | TapeFunction:
     """The surface without further outputs, so that whole states are kept."""
     if not isinstance(surface, TapeFunction):
         return surface
-    return TapeFunction(surface.n_components, surface.instructions, surface.outputs[:1])
+    return TapeFunction(surface.n_components, surface.instructions, surface.outputs[:1], surface.guard)
 
 
 def as_formula(given: Any, what: str) -> str | Expr:
@@ -155,7 +154,41 @@ def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[T
             "sin(c)*x - cos(c)*y, which vanishes where atan2(y, x) is c, and where it is c + pi"
         )
     check_that_it_varies(system, formula)
+    if (turn := _modulus(system, formula)) is not None:
+        return _modulo(system, formula, turn, kept or []), names
     return system.function_tape(formula, *(kept or ())), names
+
+
+def _modulus(system: Any, formula: str | Expr) -> Expr | None:
+    """The number modulo which a function of coordinates on circles is given; None where it is a number itself.
+
+    Raises:
+        ParameterError: it is none of both.
+    """
+    if not (periods := getattr(system, "periods", {})):
+        return None
+    from liepoisson.structure.circles import modulus
+
+    circles = {str(x): (x, periods[str(x)]) for x in system.variables if str(x) in periods}
+    try:
+        return modulus(system.expression(formula), circles, system.variables)
+    except ParameterError as error:
+        raise ParameterError(f"surface: {error}") from None
+
+
+def _modulo(system: Any, formula: str | Expr, turn: Expr, kept: Sequence[str | Expr]) -> TapeFunction:
+    r"""The surface where a function s vanishes modulo m: $\sin(2\pi s/m) = 0$ with a positive cosine."""
+    from sympy import cos, pi, sin
+
+    rate: Any = 2 * pi / turn
+    if isinstance(formula, str):
+        argument = f"({formula})" if rate == 1 else f"({str(rate).replace('**', '^')})*({formula})"
+        both: list[Any] = [f"sin({argument})", f"cos({argument})"]
+    else:
+        both = [function(rate * system.expression(formula)) for function in (sin, cos)]
+    tape = system.function_tape(*both, *kept)
+    first, guard, *others = tape.outputs
+    return TapeFunction(tape.n_components, tape.instructions, (first, *others), guard)
 
 
 def as_end(t_end: Any) -> float:

@@ -69,7 +69,9 @@ def component_axes(run: Section) -> tuple[str, str]:
     from liepoisson.model.system import System
 
     idle = idle_components(run.system) if isinstance(run.system, System) else frozenset[str]()
-    return default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]), idle, run.surface)
+    n = len(run.components) - (0 if getattr(run.system, "clock", None) is None else 2)  # without time and its momentum
+    beside = np.concatenate([run.start, run.end_state])[:, :n]
+    return default_axes(run.components[:n], run.state[:, :n], beside, idle, run.surface)
 
 
 def fold(run: Section, x: Any, y: Any) -> bool:
@@ -161,8 +163,12 @@ def levels_through(system: object, states: Array) -> Levels | None:
     if not isinstance(system, System):
         return None
     functions = {"H": system.functions.energy, **system.functions.casimirs}
+    if system.clock is not None:  # H + p_t has any value, by that of p_t, which acts on nothing
+        del functions["H"]
     if not len(states):
         return Levels(tuple(functions), np.empty((0, len(functions))))
+    if not functions:
+        return Levels((), np.empty((1, 0)))
     values = np.stack([f(states) for f in functions.values()], axis=-1)
     groups = np.stack([_groups(f, states) for f in functions.values()], axis=-1)
     _, first = np.unique(groups, axis=0, return_index=True)

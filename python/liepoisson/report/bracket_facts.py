@@ -113,6 +113,9 @@ def jacobi_topic(bracket: Bracket, certificate: JacobiCertificate) -> Topic:
         parts: list[Written] = [Equation(_braces(u, v), c) for u, v, c in constant]
         more = f", ... ({len(parts)} in all)" if len(parts) > _MOST_CONSTANTS else ""
         lines.append((f"{title} ", *joined(parts[:_MOST_CONSTANTS]), *([more] if more else [])))
+    circles = {name: Formula(period) for name, period in bracket.periods.items()}
+    for name, period in circles.items():
+        lines.append((f"{name} is a point of a circle, modulo ", period))
     lines.append((str(certificate),))
 
     def record() -> dict[str, Any]:
@@ -121,6 +124,7 @@ def jacobi_topic(bracket: Bracket, certificate: JacobiCertificate) -> Topic:
             "name": repr(bracket),
             "coordinates": names,
             **({title.replace(" ", "_"): part} if part else {}),
+            **({"periods": {name: record_of(period) for name, period in circles.items()}} if circles else {}),
             "jacobi": {
                 "proved": certificate.proved,
                 "method": certificate.method,

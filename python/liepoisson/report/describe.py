@@ -168,6 +168,8 @@ def describe(system: System) -> str:
     top, notation = system.top_parameters, VectorNotation(system.bracket)
     motion = Motion(system, notation)
     lines = [system.name, f"  bracket      {system.bracket!r}"]
+    circles = [f"{name} by {notation.formula(period).write(NAMES)}" for name, period in system.periods.items()]
+    lines += [f"  periodic     {', '.join(circles)}"] if circles else []
     lines += [f"  parameters   {top.describe()}"] if top is not None else []
     lines.append(f"  Hamiltonian  {Equation(Name('H'), motion.hamiltonian).write(NAMES)}")
     lines += ["  equations", *(f"    {line}" for line in _written_equations(motion, NAMES)), "  invariants"]

@@ -35,7 +35,10 @@ if TYPE_CHECKING:
     from liepoisson.structure.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
     from liepoisson.structure.derivations import Constant, Derivation, Scaling
+    from liepoisson.structure.poisson.casimir_check import CasimirCertificate
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
+    from liepoisson.structure.poisson.semi_invariants import SemiInvariant
+    from liepoisson.structure.poisson.tensor_entries import TensorEntries
     from liepoisson.structure.strata import Stratum
     from liepoisson.structure.trace_casimirs import TraceCasimirs
 
@@ -66,6 +69,8 @@ class Bracket:
         extension: The commutative algebra A.
         field_names: One name per field, in place of those of the extension.
         constant: The constant part by pairs of coordinates, by name or number, each pair in one order only.
+        casimirs: Known Casimirs, a list or a mapping from names, which are not kept: they are C1, C2, ... in this
+            order, before those that a search finds.
         name: How it is printed; by default by the names of g and A.
         check: Verify that the constant part is a 2-cocycle.  Switch this off only to study what goes wrong.
 
@@ -76,7 +81,8 @@ class Bracket:
 
     Raises:
         CocycleError: the constant part is no 2-cocycle; the error names the three coordinates.
-        BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name.
+        BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name, or a function is no
+            Casimir.
         ParameterError: a name is none that a user may choose (`liepoisson.inputs.names`), `algebra` is not a LieAlgebra
             or `extension` not an Extension.
         ShapeError: not one name per field.
@@ -87,8 +93,20 @@ class Bracket:
     has_algebra: ClassVar[bool] = True
     """Whether the bracket is given by `algebra` and `extension`; a `PoissonTensor` is given by formulas."""
 
+    angles: tuple[str, ...] = ()
+    """Names of the coordinates that are angles: states that differ by a turn of one are the same."""
+
+    clock: ClassVar[str | None] = None
+    """Name of the coordinate that is time; of a `Suspension`."""
+
+    period: Expr | None = None
+    """The period of time there, if there is one."""
+
     coefficients: frozenset[str] = frozenset()
     """Names that are like coordinates and stand for coefficients in the functions of a system."""
+
+    given_casimirs: tuple[Expr, ...] = ()
+    """The Casimirs that the caller gave, checked."""
 
     def __init__(
         self,
@@ -97,6 +115,7 @@ class Bracket:
         field_names: Sequence[str] | None = None,
         *,
         constant: Mapping[tuple[str | int, str | int], Parameter] | None = None,
+        casimirs: Sequence[str | Expr] | Mapping[str, str | Expr] = (),
         name: str | None = None,
         check: bool = True,
     ) -> None:
@@ -116,6 +135,10 @@ class Bracket:
 
             if self.is_rational or not is_cocycle(self.dimension, self.kept_entries()):
                 check_cocycle(self.tensor, self.coordinate_names_in_order)
+        if casimirs != ():
+            from liepoisson.structure.poisson.casimir_check import checked_casimirs
+
+            self.given_casimirs = checked_casimirs(self, casimirs)
 
     def with_constant(
         self, constant: Mapping[tuple[str | int, str | int], Parameter], *, check: bool = True
@@ -134,7 +157,39 @@ class Bracket:
                 coordinate.
             ParameterError: an entry is not exact.
         """
-        return Bracket(self.algebra, self.extension, self.field_names, constant=constant, check=check)
+        made = Bracket(self.algebra, self.extension, self.field_names, constant=constant, check=check)
+        made.angles = self.angles
+        return made
+
+    def with_angles(self, angles: Sequence[str]) -> Bracket:
+        r"""The same bracket, of which these coordinates are angles: points of a circle, modulo $2\pi$.
+
+        Hamiltonians must then be periodic in them; sections of an angle are taken modulo a turn, and averages and
+        verdicts are those of functions on the circle.
+
+        Example:
+            >>> lp.canonical(names=["theta"]).with_angles(["theta"]).angles
+            ('theta',)
+
+        Args:
+            angles: Names of coordinates on which the brackets of coordinates do not depend, or only periodically.
+
+        Raises:
+            ShapeError: not a sequence of names.
+            BracketError: a name is that of no coordinate, or is given twice.
+            ParameterError: a bracket of two coordinates is not periodic in an angle.
+        """
+        from liepoisson.structure.circles import check_on_circles, read_angles, turn
+
+        made = copy(self)
+        made.angles = read_angles(angles, self.coordinate_names_in_order)
+        if made.angles and not (self.is_linear and not self.entries()):
+            names, J = self.coordinate_names_in_order, self.poisson_tensor()
+            pairs = ((i, j) for j in range(self.dimension) for i in range(j))
+            periods: Any = {str(x): (x, turn()) for x in self.variables if str(x) in made.angles}
+            functions: Any = ((f"{{{names[i]}, {names[j]}}}", J[i, j]) for i, j in pairs)
+            check_on_circles(functions, periods, "Leave {name} out of angles.")
+        return made
 
     def translated(self, point: Sequence[Parameter]) -> Bracket:
         r"""The same bracket in the coordinates $y = x - x_0$: its constant part grows by $J(x_0)$, a coboundary.
@@ -190,7 +245,59 @@ class Bracket:
             ParameterError: a name is not an identifier.
         """
         constant: Any = self.constant_rows
-        return Bracket(self.algebra, self.extension, field_names, constant=constant, check=False)
+        made = Bracket(self.algebra, self.extension, field_names, constant=constant, check=False)
+        new = dict(zip(self.coordinate_names_in_order, made.coordinate_names_in_order, strict=True))
+        made.angles = tuple(new[name] for name in self.angles)
+        if self.given_casimirs:
+            renamed: Any = dict(zip(self.variables, made.variables, strict=True))
+            made.given_casimirs = tuple(cast("Expr", one.xreplace(renamed)) for one in self.given_casimirs)
+        return made
+
+    def plus(self) -> Bracket:
+        r"""The plus bracket, $\{f, g\} = +\langle x, [df, dg] \rangle + c(df, dg)$; the constant part stays.
+
+        It is the minus bracket of the opposite algebra, $[x, y]' = -[x, y]$, and has the same Casimirs where there is
+        no constant part.  $x \mapsto -x$ takes one to the other.
+
+        Example:
+            >>> minus = lp.so(3) @ lp.trivial()
+            >>> l1, l2, l3 = minus.variables
+            >>> minus(l1, l2), minus.plus()(l1, l2)
+            (-l3, l3)
+
+        References: [marsden1999], section 10.1.
+        """
+        opposite, constant = self.algebra.opposite(), cast("Any", self.constant_rows)
+        made = Bracket(opposite, self.extension, constant=constant, check=False)
+        made._name = f"{self!r}, plus"
+        made.given_casimirs = self.given_casimirs if not self.constant_rows else ()
+        made.angles = self.angles
+        return made
+
+    def with_casimirs(
+        self, casimirs: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
+    ) -> Bracket:
+        """The same bracket with these known Casimirs in place of its own.
+
+        Example:
+            >>> bracket = lp.algebras.bianchi("IV") @ lp.trivial()  # {l1, l2} = l2 - l3, {l1, l3} = l3
+            >>> bracket.with_casimirs(["l3*exp(l2/l3)"]).n_unknown_casimirs
+            0
+
+        Args:
+            casimirs: The functions.
+            symbols: Names in them that stay symbolic, besides those of the bracket.
+
+        Raises:
+            BracketError: a function is no Casimir.
+            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: a function is neither a text nor an expression.
+        """
+        from liepoisson.structure.poisson.casimir_check import checked_casimirs
+
+        made = copy(self)
+        made.given_casimirs = checked_casimirs(self, casimirs, symbols)
+        return made
 
     @cached_property
     def constant(self) -> dict[tuple[int, int], Exact]:
@@ -240,6 +347,25 @@ class Bracket:
     def has_scalar_fields(self) -> bool:
         """Whether each field is one coordinate with its own name, as theta and p_theta of a canonical bracket."""
         return self.algebra.basis_names == ("",)
+
+    @property
+    def periods(self) -> dict[str, Expr]:
+        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle, that of time."""
+        from liepoisson.structure.circles import turn
+
+        found = dict.fromkeys(self.angles, turn()) if self.angles else {}
+        return found if self.period is None or self.clock is None else {**found, self.clock: self.period}
+
+    @property
+    def vectors(self) -> Mapping[str, Sequence[str]]:
+        """The fields that are vectors, with the names of their components: {"l": ("1", "2", "3")} for l1, l2, l3."""
+        return {} if self.has_scalar_fields else dict.fromkeys(self.field_names, self.algebra.basis_names)
+
+    @property
+    def scalars(self) -> tuple[str, ...]:
+        """The coordinates that belong to no vector."""
+        inside = {f"{field}{component}" for field, components in self.vectors.items() for component in components}
+        return tuple(name for name in self.coordinate_names_in_order if name not in inside)
 
     @property
     def _scalars(self) -> set[str]:
@@ -308,7 +434,7 @@ class Bracket:
         from sympy import S, expand
 
         checkpoint("a Poisson bracket")
-        slopes = self._gradient(f)
+        slopes = self.gradient(f)
         if not any(slopes):
             return S.Zero
         return expand(sum((df * v for df, v in zip(slopes, self.vector_field(g), strict=True)), S.Zero))
@@ -321,7 +447,7 @@ class Bracket:
         Raises:
             ParameterError: h is no expression, or has a part that is like a coordinate and none, such as L1.
         """
-        return self._matrix.times(self._gradient(hamiltonian))
+        return self._matrix.times(self.gradient(hamiltonian))
 
     def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
         r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k: zero throughout if this is a Poisson bracket.
@@ -390,6 +516,43 @@ class Bracket:
         """
         return list(self._known_casimirs(degree).expressions)
 
+    def rational_casimirs(self, degree: int) -> list[Expr]:
+        r"""Independent Casimirs P/Q with polynomials P and Q of at most a degree, those with Q = 1 first.
+
+        P and Q are semi-invariants of one weight, see `semi_invariants`; all are functions of those that are found, as
+        far as weights lie in the field of the structure constants.
+
+        Example:
+            >>> (lp.algebras.bianchi("V") @ lp.trivial()).rational_casimirs(1)
+            [l3/l2]
+
+        Args:
+            degree: The highest degree of P and Q.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search, or there is no exact
+                field of real numbers that contains the structure constants.
+        """
+        from liepoisson.structure.poisson.semi_invariants import rational_casimirs
+
+        return rational_casimirs(self, degree)
+
+    def semi_invariants(self, degree: int) -> list[SemiInvariant]:
+        r"""The polynomials F with $\{x_i, F\} = \lambda_i F$ up to a degree that are no sums of products of others.
+
+        The $\lambda_i$ are numbers.  Casimirs are those with $\lambda = 0$.
+
+        Args:
+            degree: The highest degree of F.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search, or there is no exact
+                field of real numbers that contains the structure constants.
+        """
+        from liepoisson.structure.poisson.semi_invariants import semi_invariants
+
+        return semi_invariants(self, degree)
+
     def polynomial_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
         """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""
         return self._known_casimirs(None).polynomials
@@ -402,8 +565,10 @@ class Bracket:
     def _known_casimirs(self, degree: int | None) -> KnownCasimirs:
         if degree not in self._casimirs:
             from liepoisson.structure.casimirs import KnownCasimirs
+            from liepoisson.structure.tensor_leaves import TensorCasimirs
 
-            self._casimirs[degree] = KnownCasimirs.of(self, degree)
+            made: Any = TensorCasimirs if self.given_casimirs else KnownCasimirs
+            self._casimirs[degree] = made.of(self, degree)
         return self._casimirs[degree]
 
     @cached_property
@@ -417,6 +582,37 @@ class Bracket:
 
         return trace_casimirs(self)
 
+    def is_casimir(self, function: str | Expr, *, symbols: Sequence[str] = ()) -> bool:
+        r"""Whether $\{x_i, C\} = 0$ for all coordinates; `casimir_certificate` says how it is known.
+
+        Args:
+            function: A text in the grammar, or an expression.
+            symbols: Names in it that stay symbolic, besides those of the bracket.
+
+        Raises:
+            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: it is neither, has a part that is like a coordinate and none, or has to be tried at points
+                and is defined at none.
+        """
+        return self.casimir_certificate(function, symbols=symbols).holds
+
+    def casimir_certificate(self, function: str | Expr, *, symbols: Sequence[str] = ()) -> CasimirCertificate:
+        """Whether a function is a Casimir, decided exactly where algebra can, else tried at random points.
+
+        Args:
+            function: A text in the grammar, or an expression.
+            symbols: Names in it that stay symbolic, besides those of the bracket.
+
+        Raises:
+            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: it is neither, has a part that is like a coordinate and none, or has to be tried at points
+                and is defined at none.
+        """
+        from liepoisson.structure.poisson.casimir_check import casimir_certificate, read_phase_function
+
+        read = read_phase_function(self, function, symbols, "a function on phase space")
+        return casimir_certificate(self, read)
+
     def casimir_report(self, degree: int | None = None) -> CasimirReport:
         """The Casimirs with proofs of their number, completeness, and the parameter values where more appear.
 
@@ -426,9 +622,10 @@ class Bracket:
         Raises:
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
-        from liepoisson.structure.casimirs import casimir_report
+        from liepoisson.structure import casimirs, tensor_leaves
 
-        return casimir_report(self, degree)
+        found: Any = tensor_leaves if self.given_casimirs else casimirs
+        return found.casimir_report(self, degree)
 
     def strata(self) -> list[Stratum]:
         """The sets on which the rank is constant or generic, from the open one down to the origin."""
@@ -483,6 +680,83 @@ class Bracket:
         """
         return function_of("Bracket.in_variables")(self, variables, inverse, check=check)
 
+    def in_invariants(
+        self, invariants: Mapping[str, str | Expr], *, levels: Mapping[str, str | Expr] | None = None
+    ) -> Bracket:
+        r"""The bracket of functions that are closed under it, such as the invariants of a symmetry: Poisson reduction.
+
+        $$\{f_a, f_b\} = P_{ab}(f_1, \dots, f_k) .$$
+
+        It is a `PoissonTensor` in the functions as coordinates.  That each bracket is a polynomial in them is decided
+        exactly, and it is computed, by a Gröbner basis; a denominator may be a polynomial in them, too.  Relations
+        between the functions, such as $w_1^2 + w_2^2 + w_3^2 = w_0^2$, are Casimirs of the result, whose value is 0 on
+        states that come from here; so are Casimirs of this bracket that are functions of the invariants.
+
+        Example:
+            >>> plane = lp.canonical(2).in_invariants(
+            ...     {"r": "q1^2 + q2^2", "s": "q1*p1 + q2*p2", "p": "p1^2 + p2^2"}, levels={"L": "q1*p2 - q2*p1"}
+            ... )
+            >>> plane.poisson_tensor()
+            Matrix([
+            [   0, 2*r, 4*s],
+            [-2*r,   0, 2*p],
+            [-4*s, -2*p, 0]])
+            >>> plane.casimirs()
+            [L**2 - p*r + s**2]
+
+        Args:
+            invariants: The functions by the names of the new coordinates, polynomials or rational functions with
+                rational coefficients.
+            levels: Components of the momentum map that are constant on the reduced phase space, by name: functions
+                whose brackets with all invariants are 0.  They are symbolic parameters of the result.
+
+        Raises:
+            BracketError: a bracket of two functions is no polynomial in them, the Jacobi identity holds only where
+                their relations do, a level does not commute with an invariant, or it was not decided within its limits.
+            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: a name is none that a user may choose, or a function is not rational.
+
+        References: [marsden1999], section 10.5; [cox2015], section 7.3.
+        """
+        return function_of("Bracket.in_invariants")(self, invariants, levels=levels)
+
+    def dirac_bracket(
+        self, constraints: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
+    ) -> Bracket:
+        r"""The Dirac bracket of constraints of second class, in the same coordinates.
+
+        $$\{f, g\}_D = \{f, g\} - \sum_{ab} \{f, \phi_a\}\, (C^{-1})_{ab}\, \{\phi_b, g\}, \qquad
+          C_{ab} = \{\phi_a, \phi_b\} .$$
+
+        It is a `PoissonTensor`, defined where the determinant of C does not vanish.  Its Casimirs are the constraints,
+        in their order, and those of this bracket.  Motion that begins where the constraints vanish stays there; a
+        Hamiltonian has the same values as before.
+
+        That the determinant does not vanish identically on any part of the set of the constraints is decided for
+        rational functions with rational coefficients; for others it is tried at states of this set in 50 digits.
+
+        Example:
+            >>> sphere = lp.canonical(names=("x", "y", "z")).dirac_bracket(
+            ...     ["x^2 + y^2 + z^2 - 1", "x*p_x + y*p_y + z*p_z"]
+            ... )
+            >>> sphere.poisson_tensor()[0, 3]
+            (y**2 + z**2)/(x**2 + y**2 + z**2)
+
+        Args:
+            constraints: The functions phi that vanish, a list or a mapping from names.
+            symbols: Names in them that stay symbolic and are taken as generic, besides those of the bracket.
+
+        Raises:
+            ConstraintError: a combination of them is first class; the error names it.
+            BracketError: they contradict each other, their gradients are dependent where they vanish, one is constant,
+                or whether they are of second class was not decided.
+            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: no list of functions.
+
+        References: Dirac, Canad. J. Math. 2 (1950) 129; [marsden1999], section 8.5.
+        """
+        return function_of("Bracket.dirac_bracket")(self, constraints, symbols=symbols)
+
     def substitute(self, values: Mapping[str, Coefficient]) -> Bracket:
         """The same bracket with values for some of its symbols.
 
@@ -495,7 +769,10 @@ class Bracket:
         algebra = self.algebra.substitute({s: value for s, value in values.items() if s in self.algebra.symbols})
         extension = self.extension.substitute({s: value for s, value in values.items() if s in self.extension.symbols})
         constant: Any = {pair: substituted(value, values) for pair, value in self.constant_rows.items()}
-        return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
+        made = Bracket(algebra, extension, constant=constant, name=self._name, check=False)
+        made.angles = self.angles
+        made.given_casimirs = tuple(to_sympy(substituted(one, values)) for one in self.given_casimirs)
+        return made
 
     def __add__(self, other: object) -> NoReturn:
         """Brackets are not added; their parts are.
@@ -512,7 +789,8 @@ class Bracket:
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
-        own = {"coefficients": self.coefficients} if self.coefficients else {}
+        names = ("coefficients", "angles", "given_casimirs")
+        own = {name: value for name in names if (value := getattr(self, name))}
         return {**definition, "constant_rows": self.constant_rows, "_name": self._name, **own}
 
     def _repr_latex_(self) -> str | None:
@@ -530,6 +808,14 @@ class Bracket:
         from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
 
         return LinearPoissonTensor.of(self.dimension, self._all_terms, self.algebra.dimension)
+
+    @cached_property
+    def formulas(self) -> TensorEntries:
+        """The entries as expressions in the coordinates."""
+        from liepoisson.structure.poisson.tensor_entries import TensorEntries
+
+        upper = {(i, j): entry for (i, j), entry in self._matrix.entries.items() if i < j}
+        return TensorEntries(self.variables, upper)
 
     @cached_property
     def _all_terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
@@ -565,7 +851,12 @@ class Bracket:
     def _casimirs(self) -> dict[int | None, KnownCasimirs]:
         return {}
 
-    def _gradient(self, f: Expr) -> list[Expr]:
+    def gradient(self, f: Expr) -> list[Expr]:
+        """The derivatives of a function, without the traces that are Casimirs.
+
+        Raises:
+            ParameterError: f is no expression, or has a part that is like a coordinate and none.
+        """
         from sympy import S
 
         expression, casimirs = self._modulo_casimirs(read_function(self, f, "a function on phase space"))

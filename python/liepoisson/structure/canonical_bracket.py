@@ -23,7 +23,11 @@ MOST_DEGREES = 100
 
 @explains_its_arguments
 def canonical(
-    n: int | None = None, *, names: Sequence[str] | None = None, momenta: Sequence[str] | None = None
+    n: int | None = None,
+    *,
+    names: Sequence[str] | None = None,
+    momenta: Sequence[str] | None = None,
+    angles: Sequence[str] = (),
 ) -> Bracket:
     r"""The canonical bracket of n degrees of freedom, $\{q_i, p_j\} = \delta_{ij}$.
 
@@ -41,11 +45,12 @@ def canonical(
         n: Degrees of freedom, 1 to 100; may be left out where names are given.
         names: Names of the coordinates.
         momenta: Names of the momenta, in the order of the coordinates; p_theta for theta by default.
+        angles: The coordinates that are angles, modulo $2\pi$.  A Hamiltonian must be periodic in them.
 
     Raises:
         ParameterError: n is not in the range, or a name is none that a user may choose.
-        ShapeError: not one name per coordinate, or not one momentum for each.
-        BracketError: a name is given twice.
+        ShapeError: not one name per coordinate, or not one momentum for each, or the angles are no sequence of names.
+        BracketError: a name is given twice, or an angle is no coordinate.
     """
     coordinates = None if names is None else _names(names, "names")
     if momenta is not None and coordinates is None:
@@ -59,7 +64,8 @@ def canonical(
     size = int(size)
     if coordinates is None:
         constant: dict[Any, int] = {(k, size + k): 1 for k in range(size)}
-        return Bracket(abelian(size), _without_products(("q", "p")), constant=constant, name=f"canonical({size})")
+        vectors = Bracket(abelian(size), _without_products(("q", "p")), constant=constant, name=f"canonical({size})")
+        return vectors.with_angles(angles)
     ordered = _with_momenta(coordinates, momenta)
     if len(coordinates) != size or len(ordered) != 2 * size:
         raise ShapeError(
@@ -68,7 +74,7 @@ def canonical(
         )
     constant = {(k, size + k): 1 for k in range(size)}
     title = f"canonical bracket of {', '.join(ordered)}"
-    return Bracket(_scalar(), _without_products(ordered), constant=constant, name=title)
+    return Bracket(_scalar(), _without_products(ordered), constant=constant, name=title).with_angles(angles)
 
 
 def _with_momenta(coordinates: tuple[str, ...], momenta: Sequence[str] | None) -> tuple[str, ...]:

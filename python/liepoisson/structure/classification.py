@@ -19,7 +19,7 @@ from liepoisson.inputs.names import free_name
 from liepoisson.structure.commutative_algebra import CommutativeAlgebra
 from liepoisson.structure.extension import Extension, Products
 from liepoisson.structure.local_normal_form import RealFactor, SurdVector, real_factors
-from liepoisson.structure.normal_forms import complex_name
+from liepoisson.structure.normal_forms import complex_name, maximal_ideal
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -253,16 +253,8 @@ def _total_form(factors: Sequence[RealFactor], *, is_unital: bool) -> Extension 
         return None
     known = [form for form in forms if form is not None]
     if not is_unital:
-        known[-1] = _maximal_ideal(known[-1])
+        known[-1] = maximal_ideal(known[-1])
     return reduce(add, known)
-
-
-def _maximal_ideal(form: Extension) -> Extension:
-    """The maximal ideal of a normal form with residue field R, as an algebra without unit."""
-    products = {
-        (i - 1, j - 1): {k - 1: value for k, value in row.items()} for (i, j), row in form.products.items() if i > 0
-    }
-    return Extension.from_products(form.dimension - 1, products, f"maximal ideal of {form.name}", check=False)
 
 
 def _total_basis(factors: Sequence[RealFactor], *, is_unital: bool) -> list[SurdVector] | None:

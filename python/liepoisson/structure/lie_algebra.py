@@ -123,7 +123,12 @@ class LieAlgebra:
 
     @classmethod
     def from_matrices(
-        cls, matrices: Sequence[object], name: str = "g", basis_names: Sequence[str] | None = None
+        cls,
+        matrices: Sequence[object],
+        name: str = "g",
+        basis_names: Sequence[str] | None = None,
+        *,
+        hermitian: bool = False,
     ) -> LieAlgebra:
         r"""The algebra that square matrices span, $M_i M_j - M_j M_i = c_{ij}^k M_k$.
 
@@ -131,11 +136,13 @@ class LieAlgebra:
             matrices: Exact entries, shape (n, m, m); complex ones (with SymPy's `I`) if the $c_{ij}^k$ are real.
             name: How it is printed.
             basis_names: Names of the matrices; "1", "2", ... if left out.
+            hermitian: Whether they are hermitian generators, $M_i M_j - M_j M_i = i\,c_{ij}^k M_k$, as in physics.
 
         Raises:
             ShapeError: not a sequence of square matrices of one size.
             BracketError: linearly dependent, or a commutator outside of the span; the message names the matrices.
-            ParameterError: an entry is not exact.
+                `algebras.closure` adds those that are missing.
+            ParameterError: an entry is not exact, or a matrix is not hermitian.
         """
         from liepoisson.structure.lie.sparse_matrices import brackets_of_matrices
 
@@ -144,7 +151,7 @@ class LieAlgebra:
                 f"matrices must be a sequence of square matrices; got {type(matrices).__name__}. Write a list of them, "
                 "and their names as basis_names."
             )
-        brackets = brackets_of_matrices(given)
+        brackets = brackets_of_matrices(given, hermitian=hermitian)
         # Commutators of matrices obey the Jacobi identity.
         return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
 
@@ -257,6 +264,95 @@ class LieAlgebra:
         r"""The elements that commute with all, $[z, g] = 0$: the linear Casimirs of the bracket."""
         return self._structure().centre()
 
+    def radical(self) -> Subspace:
+        r"""The largest solvable ideal: the x with $\kappa(x, [g, g]) = 0$."""
+        from liepoisson.structure.lie import levi
+
+        return (g := self._structure()).subspace(levi.radical(g))
+
+    def nilradical(self) -> Subspace:
+        """The largest nilpotent ideal: the elements x of the radical for which ad x is nilpotent."""
+        from liepoisson.structure.lie import levi
+
+        return (g := self._structure()).subspace(levi.nilradical(g))
+
+    def levi_factor(self) -> Subspace:
+        r"""A semisimple subalgebra s, with $g = s \oplus r$ for the radical r (Levi's theorem), over the same numbers.
+
+        Its basis has one vector $e_k + \dots$ for each k at which no vector of the radical begins.
+        `g.subalgebra(g.levi_factor())` is the algebra s.
+
+        Example:
+            >>> galilei = lp.algebras.galilei(3)
+            >>> s = galilei.levi_factor()
+            >>> s.dimension, galilei.subalgebra(s).is_semisimple, galilei.radical().dimension
+            (3, True, 7)
+        """
+        from liepoisson.structure.lie import levi
+
+        return (g := self._structure()).subspace(levi.levi_factor(g))
+
+    def subalgebra(self, vectors: Subspace | Sequence[Sequence[Parameter]], name: str | None = None) -> LieAlgebra:
+        r"""The subalgebra that vectors span, with these as its basis "1", "2", ...
+
+        Args:
+            vectors: The basis, in the coordinates of this algebra, shape (m, n).
+            name: How it is printed.
+
+        Raises:
+            BracketError: they are linearly dependent, or the bracket of two is outside of their span; with their
+                numbers.
+            ShapeError: no sequence of vectors with n components.
+            ParameterError: a component is not exact.
+        """
+        from liepoisson.structure.lie import levi
+
+        g, read = self._with_vectors(vectors, "vectors")
+        brackets: Any = levi.subalgebra(g, read)
+        return LieAlgebra.from_brackets(len(read), brackets, name or f"subalgebra of {self.name}", check=False)
+
+    def quotient(self, ideal: Subspace | Sequence[Sequence[Parameter]], name: str | None = None) -> LieAlgebra:
+        r"""The algebra g / i, in the basis of those $e_k$ at which no vector of an echelon basis of i begins.
+
+        They keep their names, but where these are numbers.
+
+        Example:
+            >>> g = lp.algebras.se(3)
+            >>> g.quotient(g.radical()).basis_names
+            ('r23', 'r13', 'r12')
+
+        Args:
+            ideal: Vectors that span the ideal, shape (m, n).
+            name: How it is printed.
+
+        Raises:
+            BracketError: they do not span an ideal, or all of g.
+            ShapeError: no sequence of vectors with n components.
+            ParameterError: a component is not exact.
+        """
+        from liepoisson.structure.lie import levi
+
+        g, read = self._with_vectors(ideal, "ideal")
+        kept, brackets = levi.quotient(g, read)
+        if not kept:
+            raise BracketError(
+                f"the ideal must not be all of {self.name}; got {len(read)} vectors that span it. Leave some out."
+            )
+        names = [self.basis_names[k] for k in kept]
+        own = None if any(one.isdecimal() for one in names) else names
+        made: Any = brackets
+        return LieAlgebra.from_brackets(len(kept), made, name or f"quotient of {self.name}", own, check=False)
+
+    def opposite(self) -> LieAlgebra:
+        r"""The algebra with the bracket $[x, y]' = -[x, y]$; $x \mapsto -x$ is an isomorphism.
+
+        Its minus Lie-Poisson bracket is the plus bracket of this algebra, see `Bracket.plus`.
+        """
+        brackets: Any = {pair: {k: -c for k, c in row.items()} for pair, row in self.rows.items()}
+        return LieAlgebra.from_brackets(
+            self.dimension, brackets, f"opposite of {self.name}", self.basis_names, check=False
+        )
+
     @property
     def is_abelian(self) -> bool:
         """Whether all brackets vanish."""
@@ -319,6 +415,20 @@ class LieAlgebra:
         from liepoisson.structure.lie.lie_structure import LieStructure
 
         return LieStructure(self.dimension, self.brackets)
+
+    def _with_vectors(self, given: object, name: str) -> tuple[LieStructure, list[dict[int, Any]]]:
+        """The structure over a field that contains the vectors, too, and these."""
+        from liepoisson.structure.lie.lie_structure import LieStructure, Subspace
+
+        items = given.basis if isinstance(given, Subspace) else listed(given, name)
+        if items is None:
+            raise ShapeError(
+                f"{name} must be a sequence of vectors with {self.dimension} components; got {given!r:.60}. Write a "
+                "list of them."
+            )
+        rows = [read_components(item, f"{name}[{a}]", self.basis_names) for a, item in enumerate(items)]
+        g = LieStructure(self.dimension, self.brackets, [c for row in rows for c in row])
+        return g, [{k: g.field.read(c) for k, c in enumerate(row) if not is_zero(c)} for row in rows]
 
     def _check_jacobi(self) -> None:
         for (i, j, k), residual in self.jacobi_residuals().items():

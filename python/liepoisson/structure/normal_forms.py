@@ -19,8 +19,11 @@ Physica D 136 (2000) 205, for extensions up to order four.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
+from functools import reduce
 from numbers import Integral
+from operator import add
 
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.inputs.calls import explains_its_arguments
@@ -88,6 +91,78 @@ def normal_forms(n: int) -> list[Extension]:
     if isinstance(n, bool) or not isinstance(n, Integral) or not 1 <= n <= 5:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"the normal forms are listed for dimensions 1 to 5; got {n!r}. Use a smaller algebra.")
     return [_extension(name, *form) for name, form in _FORMS[int(n)].items()]
+
+
+@explains_its_arguments
+def commutative_algebras(n: int) -> list[Extension]:
+    r"""All commutative associative real algebras of dimension n, with or without a unit, one of each isomorphism class.
+
+    An algebra is the direct product $U \times N$ of one with a unit and a nilpotent one (Peirce decomposition by its
+    largest idempotent).  U is a product of local algebras with the residue fields R and C, and N the maximal ideal of
+    $\mathbb R 1 \oplus N$, a local algebra of one dimension more.  The names are those that `Extension.classify` finds.
+
+    Example:
+        >>> for algebra in lp.extensions.commutative_algebras(2):
+        ...     print(algebra.name, algebra.is_unital)
+        R + R True
+        R[x]/(x^2) True
+        C True
+        R + maximal ideal of R[x]/(x^2) False
+        maximal ideal of R[x]/(x^3) False
+        maximal ideal of R[x,y]/(x,y)^2 False
+
+    Args:
+        n: Dimension, 1 to 4.
+
+    Returns:
+        2, 6, 15, 42 extensions for n = 1, ..., 4, always in the same order: those with a unit first.
+
+    Raises:
+        ParameterError: n is not in 1..4.
+
+    References: Thiffeault and Morrison (2000) for the nilpotent ones; [poonen2008] for the local ones over C.
+    """
+    if isinstance(n, bool) or not isinstance(n, Integral) or not 1 <= n <= 4:  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"the algebras are listed for dimensions 1 to 4; got {n!r}. Use extension.classify().")
+    size = int(n)
+    found: list[Extension] = []
+    for nilpotent in range(size + 1):
+        ideals = normal_forms(nilpotent + 1) if nilpotent else []
+        for parts in _unital(size - nilpotent, 0):
+            for ideal in ideals or [None]:
+                found.append(_product(parts, ideal))
+    return found
+
+
+def _unital(n: int, start: int) -> Iterator[list[Extension]]:
+    """All products of local algebras with the dimension n, the factors in one order."""
+    local = [form for m in range(1, 5) for form in normal_forms(m)]
+    local += [complex_truncated_polynomials(1), complex_truncated_polynomials(2)]
+    if n == 0:
+        yield []
+    for k in range(start, len(local)):
+        if local[k].dimension <= n:
+            yield from ([local[k], *others] for others in _unital(n - local[k].dimension, k))
+
+
+def _product(parts: list[Extension], ideal: Extension | None) -> Extension:
+    """The direct product of local algebras and of the maximal ideal of another one, named as by a classification."""
+    ordered = sorted(parts, key=lambda form: (-form.dimension, form.name))
+    names = [form.name for form in ordered]
+    if ideal is not None:
+        ordered.append(maximal_ideal(ideal))
+        names.append(ordered[-1].name)
+    total = reduce(add, ordered)
+    total.name = " + ".join(names)
+    return total
+
+
+def maximal_ideal(form: Extension) -> Extension:
+    """The maximal ideal of a normal form with residue field R, as an algebra without unit."""
+    products = {
+        (i - 1, j - 1): {k - 1: value for k, value in row.items()} for (i, j), row in form.products.items() if i > 0
+    }
+    return Extension.from_products(form.dimension - 1, products, f"maximal ideal of {form.name}", check=False)
 
 
 def normal_form_named(name: str) -> Extension:

@@ -53,6 +53,8 @@ class Locus:
         nonzero: Sets of fields, in each of which one at least does not vanish.
         not_parallel: Pairs of fields that are not parallel.
         is_generic: Whether the states are generic among these: no more is known about where they lie.
+        vanishing: Polynomials in the coordinates that vanish.
+        not_all_vanish: Polynomials of which one at least does not vanish; none if there is no such condition.
     """
 
     zero: Fields = ()
@@ -60,6 +62,8 @@ class Locus:
     nonzero: tuple[Fields, ...] = ()
     not_parallel: tuple[Fields, ...] = ()
     is_generic: bool = False
+    vanishing: tuple[str, ...] = ()
+    not_all_vanish: tuple[str, ...] = ()
 
     @property
     def is_everywhere(self) -> bool:
@@ -69,9 +73,13 @@ class Locus:
     def __str__(self) -> str:
         """The conditions, for example "beta = 0, alpha != 0"; "generic" and "everywhere" if there is none to name."""
         conditions = [
-            *(f"{field} = 0" for field in self.zero),
+            *(f"{field} = 0" for field in (*self.zero, *self.vanishing)),
             *(f"{' x '.join(pair)} = 0" for pair in self.parallel),
-            *(f"{some[0] if len(some) == 1 else '(' + ', '.join(some) + ')'} != 0" for some in self.nonzero),
+            *(
+                f"{some[0] if len(some) == 1 else '(' + ', '.join(some) + ')'} != 0"
+                for some in (*self.nonzero, self.not_all_vanish)
+                if some
+            ),
             *(f"{' x '.join(pair)} != 0" for pair in self.not_parallel),
             *(["generic"] if self.is_generic else []),
         ]

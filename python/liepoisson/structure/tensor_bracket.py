@@ -79,22 +79,26 @@ class PoissonTensor(Bracket):
         symbols: Names that stay symbolic and are taken as generic; a vector with its length, as in "a[3]".
         casimirs: Known Casimirs, a list or a mapping from names, which are not kept: they are C1, C2, ... in this
             order.
+        angles: The coordinates that are angles, modulo $2\pi$, in which the entries must be periodic.
         name: How it is printed.
         check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
 
     Raises:
         BracketError: a coordinate is unknown, a pair is one of a coordinate with itself, both orders of a pair
-            disagree, a function is no Casimir, or a parameter has the name of a coordinate in it.
+            disagree, a function is no Casimir, a parameter has the name of a coordinate in it, or an angle is no
+            coordinate.
         JacobiError: the Jacobi identity fails; the error names the three coordinates and the residual.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: a name is none that a user may choose, or an entry is none of these, not finite and real, or not
-            smooth.
+        ParameterError: a name is none that a user may choose, an entry is none of these, not finite and real, not
+            smooth, or not periodic in an angle.
         ShapeError: the variables are no sequence of names.
 
     References: [marsden1999], sections 10.1 and 10.5; Weinstein, J. Differential Geom. 18 (1983) 523.
     """
 
     has_algebra: ClassVar[bool] = False
+
+    given_casimirs: tuple[Expr, ...] = ()
 
     def __init__(
         self,
@@ -104,6 +108,7 @@ class PoissonTensor(Bracket):
         *,
         symbols: Sequence[str] = (),
         casimirs: Sequence[str | Expr] | Mapping[str, str | Expr] = (),
+        angles: Sequence[str] = (),
         name: str | None = None,
         check: bool = True,
     ) -> None:
@@ -113,13 +118,13 @@ class PoissonTensor(Bracket):
         self._define(names, _read_entries(entries, names, scope), title)
         self._jacobi = self._checked_jacobi() if check else "not checked"
         self.given_casimirs = self._read_casimirs(casimirs, scope)
+        self.angles = self.with_angles(angles).angles
 
     def _define(self, names: tuple[str, ...], formulas: Mapping[tuple[int, int], Expr], name: str | None) -> None:
         self.coordinate_names_in_order = names
         self.formulas = TensorEntries(self.variables, dict(sorted(formulas.items())))
         self._name = name
         self._jacobi = "not checked"
-        self.given_casimirs: tuple[Expr, ...] = ()
         if self.is_linear:
             self.constant_rows = {(i, j): c for i, j, m, c in self.formulas.linear_terms if m is None}
 
@@ -147,6 +152,11 @@ class PoissonTensor(Bracket):
     def has_scalar_fields(self) -> bool:
         """Each coordinate has its own name."""
         return True
+
+    @property
+    def vectors(self) -> Mapping[str, Sequence[str]]:
+        """None: each coordinate is a field of its own."""
+        return {}
 
     @property
     def is_linear(self) -> bool:
@@ -195,11 +205,8 @@ class PoissonTensor(Bracket):
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a function is neither a text nor an expression.
         """
-        names = self.coordinate_names_in_order
-        more = sorted(self.symbols.difference(scope_with(names, None, symbols).numbers()))
-        scope = scope_with(names, None, [*(listed_names(symbols, "symbols") or ()), *more])
-        made = self._mapped(names, lambda f: f)
-        made.given_casimirs = self._read_casimirs(casimirs, scope)
+        made = self._mapped(self.coordinate_names_in_order, lambda f: f)
+        made.given_casimirs = self._read_casimirs(casimirs, scope_of(self, symbols))
         return made
 
     def rename(self, *field_names: str) -> PoissonTensor:
@@ -217,7 +224,9 @@ class PoissonTensor(Bracket):
             raise ShapeError(f"wanted {self.dimension} names, one per coordinate; got {len(names)}. Name all of them.")
         check_distinct(names, self.symbols)
         known: Any = dict(zip(self.variables, map(Symbol, names), strict=True))
-        return self._mapped(names, lambda f: f.xreplace(known))
+        made = self._mapped(names, lambda f: f.xreplace(known))
+        made.angles = tuple(str(known[x]) for x in self.variables if str(x) in self.angles)
+        return made
 
     def substitute(self, values: Mapping[str, Coefficient]) -> PoissonTensor:
         """The same bracket with values for some of its symbols.
@@ -241,7 +250,9 @@ class PoissonTensor(Bracket):
     def _mapped(self, names: tuple[str, ...], change: Any) -> PoissonTensor:
         entries = {pair: change(entry) for pair, entry in self.formulas.entries.items()}
         casimirs = [change(casimir) for casimir in self.given_casimirs]
-        return tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
+        made = tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
+        made.angles = self.angles
+        return made
 
     # What is proved about it
 
@@ -339,7 +350,8 @@ class PoissonTensor(Bracket):
 
         A function F is normal where $\{x_i, F\} = \lambda_i F$ with polynomials $\lambda_i$: the coordinates of a
         log-canonical bracket are.  Those that are looked for are the factors of the entries; P may be any polynomial
-        with the same $\lambda_i$ as Q.  So Casimirs with other denominators are not found.
+        with the same $\lambda_i$ as Q.  So Casimirs with other denominators are not found; of a linear bracket they
+        are, as of any `Bracket`.
 
         Args:
             degree: The highest degree of P and Q.
@@ -348,6 +360,8 @@ class PoissonTensor(Bracket):
             BracketError: the entries are not rational functions.
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
+        if self.is_linear:
+            return super().rational_casimirs(degree)
         from liepoisson.structure.tensor_leaves import rational_casimirs
 
         return rational_casimirs(self, degree)
@@ -400,7 +414,8 @@ class PoissonTensor(Bracket):
         return super().coboundary()
 
     def _read_casimirs(self, given: Any, scope: Scope) -> tuple[Expr, ...]:
-        functions = [read_function(one, scope, "a Casimir") for one in _listed_functions(given)]
+        given = listed_functions(given, "casimirs", '["x*y*z"]')
+        functions = [read_function(one, scope, "a Casimir") for one in given]
         for function in functions:
             if not function.free_symbols & {*self.variables}:
                 raise BracketError(
@@ -429,6 +444,7 @@ class PoissonTensor(Bracket):
             "given_casimirs",
             "constant_rows",
             "coefficients",
+            "angles",
         )
         return {name: value for name, value in self.__dict__.items() if name in kept}
 
@@ -451,10 +467,12 @@ def tensor_of(
     casimirs: Sequence[Expr] = (),
     jacobi: str | None = None,
     name: str | None = None,
+    are_nonzero: bool = False,
 ) -> PoissonTensor:
     """A tensor of entries and Casimirs that have been derived; `jacobi` is what is known, else it is checked."""
     made: Any = PoissonTensor.__new__(PoissonTensor)
-    made._define(names, {pair: entry for pair, entry in entries.items() if not is_zero(entry)}, name)
+    kept = entries if are_nonzero else {pair: entry for pair, entry in entries.items() if not is_zero(entry)}
+    made._define(names, kept, name)
     made._jacobi = jacobi or made._checked_jacobi()
     made.given_casimirs = tuple(casimirs)
     return cast("PoissonTensor", made)
@@ -473,6 +491,13 @@ def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | No
     values: Any = read_values(parameters)
     check_distinct(names, set[str]().union(*map(symbols_of, flattened(values).values())))
     return Scope(parameters=values, symbols=(*names, *declared), scalars=names)
+
+
+def scope_of(bracket: Bracket, symbols: Sequence[str]) -> Scope:
+    """The same for functions on the phase space of a bracket, whose own symbols need not be declared again."""
+    names = bracket.coordinate_names_in_order
+    more = sorted(bracket.symbols.difference(scope_with(names, None, symbols).numbers()))
+    return scope_with(names, None, [*(listed_names(symbols, "symbols") or ()), *more])
 
 
 def read_variables(given: object) -> tuple[str, ...]:
@@ -554,10 +579,15 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
     return function
 
 
-def _listed_functions(given: Any) -> list[Any]:
-    if (by_name := named(given, "casimirs")) is not None:
+def listed_functions(given: Any, what: str, example: str) -> list[Any]:
+    """The functions of a list, or of a mapping from names.
+
+    Raises:
+        ParameterError: it is neither.
+    """
+    if (by_name := named(given, what)) is not None:
         return list(by_name.values())
-    items = None if is_sympy(given) else listed(given, "casimirs")
+    items = None if is_sympy(given) else listed(given, what)
     if items is None:
-        raise ParameterError(f'casimirs must be a list of functions; got {given!r:.60}. Write for example ["x*y*z"].')
+        raise ParameterError(f"{what} must be a list of functions; got {given!r:.60}. Write for example {example}.")
     return items

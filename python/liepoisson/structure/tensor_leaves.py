@@ -12,21 +12,27 @@ References: Goodearl and Launois, Bull. Soc. Math. France 139 (2011) 1, for Pois
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import combinations, combinations_with_replacement
-from math import comb
+from math import comb, prod
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.ideals.components import Assumptions, components, irreducible_factors
+from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
+from liepoisson.algebra.ideals.operations import radical_contains
+from liepoisson.algebra.ideals.polynomial_system import polynomial
 from liepoisson.algebra.linear_algebra import nullspace, rank
 from liepoisson.algebra.rational_polynomials import RationalPolynomial
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure import casimirs as search
 from liepoisson.structure.poisson.casimir_search import MAX_WORK
+from liepoisson.structure.poisson.pfaffians import pfaffians
 from liepoisson.structure.strata import Locus, Stratum
 
 if TYPE_CHECKING:
@@ -34,6 +40,8 @@ if TYPE_CHECKING:
 
     from liepoisson.structure.tensor_bracket import PoissonTensor
 
+MOST_COORDINATES = 8
+"""Of a tensor whose Pfaffians are taken: 70 of size 4."""
 MOST_LISTED = 6
 """Coordinates of a log-canonical tensor whose 2^n strata are listed."""
 
@@ -135,16 +143,66 @@ def _degree(casimir: Expr, bracket: PoissonTensor) -> int:
 
 
 def strata(bracket: PoissonTensor) -> list[Stratum]:
-    """The open stratum; of a log-canonical tensor all sets where some coordinates vanish and the others do not."""
+    """The strata by decreasing rank; the open one alone where the others are not found.
+
+    Of a log-canonical tensor they are the sets where some coordinates vanish and the others do not; of any other that
+    is polynomial with rational numbers, the sets where Pfaffians of one size vanish and those of the next do not all.
+    """
     numbers = bracket.formulas.log_canonical
     if numbers and bracket.dimension <= MOST_LISTED:
         return sorted(_log_canonical_strata(bracket), key=lambda stratum: -stratum.rank)
+    if (found := _strata_by_pfaffians(bracket)) is not None:
+        return found
     certificate = bracket.rank_certificate()
     complete, casimirs = not bracket.n_unknown_casimirs, bracket.casimirs
     is_constant = not any(entry.free_symbols & {*bracket.variables} for entry in bracket.formulas.entries.values())
     locus = Locus(is_generic=not is_constant)
     text = f"{certificate.method}; J is constant" if is_constant else certificate.method
     return [Stratum(locus, certificate.lower, casimirs, text, is_constant, complete)]
+
+
+def _strata_by_pfaffians(bracket: PoissonTensor) -> list[Stratum] | None:
+    """The sets where the rank is r, r - 2, ...; those without real points are left out.
+
+    None where an entry is no polynomial with rational numbers, or the limits of the ideals are reached.
+    """
+    names, n = bracket.field_names, bracket.dimension
+    if bracket.symbols or n > MOST_COORDINATES:
+        return None
+    context, budget = rational_context(names), Limits().budget()
+    found: list[Stratum] = []
+    try:
+        entries = {pair: polynomial(entry, context) for pair, entry in bracket.formulas.entries.items()}
+        here = groebner_basis([context.constant(0)], budget)
+        for size in range(bracket.rank(), -1, -2):
+            functions = [_square_free(p) for p in pfaffians(entries, n, size)] if size else [context.constant(1)]
+            if not all(radical_contains(here, p, budget) for p in functions):
+                below = components([*here.polynomials, *functions], Assumptions(is_real=True), budget)
+                others = [q for p in functions if (q := here.remainder(p))] if below else []
+                not_all = groebner_basis(others, budget).polynomials if others else ()
+                locus = Locus(
+                    vanishing=tuple(str(p) for p in reversed(here.polynomials)),
+                    not_all_vanish=tuple(str(_square_free(p)) for p in reversed(not_all)),
+                )
+                found.append(_stratum(bracket, locus, size, is_open=not found))
+                if not below:
+                    return found
+                here = below[0].basis if len(below) == 1 else groebner_basis([*here.polynomials, *functions], budget)
+    except (ParameterError, NotDecidedError):
+        return None
+    return found
+
+
+def _stratum(bracket: PoissonTensor, locus: Locus, size: int, *, is_open: bool) -> Stratum:
+    """The set where the rank is the size of Pfaffians; where it is zero the coordinates are constant."""
+    casimirs: Callable[[], Sequence[Expr]] = bracket.casimirs if size else lambda: bracket.variables
+    complete = not bracket.n_unknown_casimirs if is_open else not size
+    return Stratum(locus, size, casimirs, f"the Pfaffians of size {size}", proved=True, complete=complete)
+
+
+def _square_free(p: Any) -> Any:
+    """A polynomial with the same zeros, each factor once."""
+    return prod(irreducible_factors(p), start=p.context().constant(1))
 
 
 def _log_canonical_strata(bracket: PoissonTensor) -> Iterator[Stratum]:

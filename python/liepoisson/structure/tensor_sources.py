@@ -145,7 +145,7 @@ def product(first: Bracket, second: Bracket) -> PoissonTensor:
         raise BracketError(f"a name must stand for one thing; {clash[0]} occurs in both brackets. Use bracket.rename.")
     n = len(own)
     moved = {(i + n, j + n): entry for (i, j), entry in entries_of(second).items()}
-    casimirs = [*_known(first), *_known(second)]
+    casimirs = [*known_casimirs(first), *known_casimirs(second)]
     return tensor_of((*own, *other), entries_of(first) | moved, casimirs=casimirs)
 
 
@@ -186,7 +186,7 @@ def changed(
                 S.Zero,
             )
             entries[a, b] = _shortened(total.xreplace(inserted), new)
-    casimirs = [_shortened(cast("Any", casimir).xreplace(inserted), new) for casimir in _known(bracket)]
+    casimirs = [_shortened(cast("Any", casimir).xreplace(inserted), new) for casimir in known_casimirs(bracket)]
     return tensor_of(new, entries, casimirs=casimirs, jacobi=None if check else "not checked")
 
 
@@ -197,7 +197,7 @@ def entries_of(bracket: Bracket) -> dict[tuple[int, int], Any]:
     return {(i, j): J[i, j] for i in range(n) for j in range(i + 1, n) if J[i, j] != 0}
 
 
-def _known(bracket: Bracket) -> Sequence[Expr]:
+def known_casimirs(bracket: Bracket) -> Sequence[Expr]:
     """The Casimirs that are given, or found."""
     if isinstance(bracket, PoissonTensor) and bracket.given_casimirs:
         return bracket.given_casimirs

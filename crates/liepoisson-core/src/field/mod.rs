@@ -1,7 +1,9 @@
 //! What is integrated: vector fields, asked for their power series.
 
+mod compiled;
 mod convolution;
-mod cover;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod plans;
 mod quadratic;
 mod quadratics;
 pub(crate) mod split_terms;
@@ -141,7 +143,7 @@ pub trait Field: Space {
 
 /// Code that does the same at every call, without a look at its numbers.
 pub trait Straight {
-    /// What tells it from other code for the same field, below `2^62`.
+    /// What tells it from other code for the same field, below `2^61`.
     fn key(&self) -> u64;
 
     /// How often it asks for the rates of the field.
@@ -229,6 +231,13 @@ impl<F: Field> Field for &F {
     ) {
         (**self).rates_at(point, n_tangents, x, work, rates);
     }
+}
+
+/// Whether the sums of an order are formed along with those of the order before: sums of products are formed for two orders at once, so
+/// that the last order that needs some (`n_orders - 2`) is a second one. Orders 0 and 1 have no sums, and order 2 those of one term.
+#[inline(always)]
+fn is_second(k: usize, n_orders: usize) -> bool {
+    k > 2 && (n_orders - k).is_multiple_of(2)
 }
 
 /// Orders up to this one are divided with the remainder.

@@ -1,4 +1,5 @@
-//! The instructions that compiled code consists of, as bytes: AVX2 with fused multiply-add (VEX) and AVX-512 (EVEX).
+//! The instructions that compiled code consists of, as bytes: AVX2 with fused multiply-add (VEX), on four numbers or on one, and
+//! AVX-512 (EVEX).
 //!
 //! # References
 //! *Intel 64 and IA-32 Architectures Software Developer's Manual*, volume 2, sections 2.3 (VEX), 2.7 (EVEX, its displacements of
@@ -34,7 +35,8 @@ pub(super) enum Place {
     Varying(General, i32),
 }
 
-/// An operation on packed doubles `d = f(a, b)` or `d = f(d, a, b)`: its map of opcodes, whether AVX2 sets the bit W, its opcode.
+/// An operation on packed doubles `d = f(a, b)` or `d = f(d, a, b)`: its map of opcodes, whether AVX2 sets the bit W, its opcode. Its
+/// form for one number is [`Opcode::of_one`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Opcode(u8, bool, u8);
 
@@ -71,6 +73,40 @@ const SIGNS: Opcode = Opcode(1, false, 0x50);
 /// The predicate "larger, and none is NaN".
 const LARGER: u8 = 30;
 
+/// Compares two numbers, and sets the conditions as for numbers without a sign; with NaN as if the first were smaller.
+const COMPARE_ONE: Opcode = Opcode(1, false, 0x2E);
+/// Loads and stores of one number.
+const LOAD_ONE: Opcode = Opcode(1, false, 0x10);
+const STORE_ONE: Opcode = Opcode(1, false, 0x11);
+
+const LOAD_TWICE: Opcode = Opcode(1, false, 0x12);
+const LOAD_SECOND: Opcode = Opcode(1, false, 0x16);
+const LOAD_FIRST: Opcode = Opcode(1, false, 0x7E);
+const FIRSTS: Opcode = Opcode(1, false, 0x14);
+const SECONDS: Opcode = Opcode(1, false, 0x15);
+
+/// The lowest bits of the third byte of a VEX prefix, the length of registers and what was a prefix of its own: four packed numbers, two
+/// of them, and one.
+const FOUR: u8 = 0b101;
+const TWO: u8 = 0b001;
+const ONE: u8 = 0b011;
+/// The first of two numbers.
+const FIRST: u8 = 0b010;
+
+impl Opcode {
+    /// The form for one number, and the bits of its prefix. What works on bits does so on two numbers, of which the second is none.
+    fn of_one(self, b: Place) -> (Opcode, u8) {
+        match self {
+            ADD | SUB | MUL | DIV | SQRT => (self, ONE),
+            LOAD if !matches!(b, Place::Register(_)) => (LOAD_ONE, ONE),
+            STORE => (STORE_ONE, ONE),
+            // the prefix of the packed forms
+            Opcode(2, w, multiply_add) => (Opcode(2, w, multiply_add | 1), TWO),
+            _ => (self, TWO),
+        }
+    }
+}
+
 /// A place in the code that a jump goes to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Jump(usize);
@@ -81,6 +117,7 @@ pub(super) enum Condition {
     NotBelow = 3,
     Equal = 4,
     NotEqual = 5,
+    Above = 7,
     /// Of numbers with a sign.
     Less = 12,
 }
@@ -98,21 +135,31 @@ impl Assembler {
     /// `d = f(a, b)`
     pub(super) fn operate(&mut self, opcode: Opcode, d: u8, a: u8, b: Place) {
         match self.instructions {
-            Instructions::Vex => self.vex(opcode, d, a, b, 0),
+            Instructions::Vex => self.vex(opcode, d, a, b, 0, FOUR),
             Instructions::Evex => self.evex(opcode, d, a, b, 0),
+            Instructions::VexOne => {
+                let (opcode, kind) = opcode.of_one(b);
+                self.vex(opcode, d, a, b, 0, kind);
+            }
         }
     }
 
     /// `d = sqrt b`, and other instructions without a second operand.
     pub(super) fn square_root(&mut self, d: u8, b: Place) {
-        self.operate(SQRT, d, 0, b);
+        // the form for one number takes the rest of its result from a register: one that it waits for anyway
+        let rest = match (self.instructions, b) {
+            (Instructions::VexOne, Place::Register(from)) => from,
+            (Instructions::VexOne, _) => d,
+            _ => 0,
+        };
+        self.operate(SQRT, d, rest, b);
     }
 
     pub(super) fn load(&mut self, d: u8, from: Place) {
         let is_constant = matches!(from, Place::Constant(_) | Place::Varying(..));
         let opcode = if is_constant && self.instructions == Instructions::Evex { BROADCAST } else { LOAD };
         match self.instructions {
-            Instructions::Vex => self.vex(opcode, d, 0, from, 0),
+            Instructions::Vex | Instructions::VexOne => self.operate(opcode, d, 0, from),
             // one number is what this instruction reads anyway
             Instructions::Evex if opcode == BROADCAST => self.evex_with(opcode, d, 0, from, 0, (false, 8)),
             Instructions::Evex => self.evex(opcode, d, 0, from, 0),
@@ -124,8 +171,40 @@ impl Assembler {
     }
 
     pub(super) fn zero(&mut self, d: u8) {
-        let opcode = if self.instructions == Instructions::Vex { XOR } else { XOR_OF_INTEGERS };
+        let opcode = if self.instructions == Instructions::Evex { XOR_OF_INTEGERS } else { XOR };
         self.operate(opcode, d, d, Place::Register(d));
+    }
+
+    // ---- two numbers in a register of which others hold one ----
+
+    /// `d = (number, number)`, from memory.
+    pub(super) fn load_twice(&mut self, d: u8, from: Place) {
+        self.vex(LOAD_TWICE, d, 0, from, 0, ONE);
+    }
+
+    /// `d = (first of d, number)`, from memory.
+    pub(super) fn load_second(&mut self, d: u8, from: Place) {
+        self.vex(LOAD_SECOND, d, d, from, 0, TWO);
+    }
+
+    /// `d = (first of d, 0)`
+    pub(super) fn clear_second(&mut self, d: u8) {
+        self.vex(LOAD_FIRST, d, 0, Place::Register(d), 0, FIRST);
+    }
+
+    /// `d = (first of d, first of a)`
+    pub(super) fn put_second(&mut self, d: u8, a: u8) {
+        self.vex(FIRSTS, d, d, Place::Register(a), 0, TWO);
+    }
+
+    /// `d = (second of a, second of a)`
+    pub(super) fn take_second(&mut self, d: u8, a: u8) {
+        self.vex(SECONDS, d, a, Place::Register(a), 0, TWO);
+    }
+
+    /// `d = a b + d`, of two numbers.
+    pub(super) fn multiply_add_two(&mut self, d: u8, a: u8, b: Place) {
+        self.vex(MUL_ADD_231, d, a, b, 0, TWO);
     }
 
     /// `d = a` as integers, times `2^52`.
@@ -133,7 +212,8 @@ impl Assembler {
         /// What is part of the opcode in the place of a register.
         const LEFT: u8 = 6;
         match self.instructions {
-            Instructions::Vex => self.vex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1),
+            Instructions::Vex => self.vex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1, FOUR),
+            Instructions::VexOne => self.vex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1, TWO),
             Instructions::Evex => self.evex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1),
         }
         self.code.push(52);
@@ -143,9 +223,9 @@ impl Assembler {
     pub(super) fn jump_if_any_is_larger(&mut self, scratch: u8, value: u8, limit: Place) -> Jump {
         match self.instructions {
             Instructions::Vex => {
-                self.vex(COMPARE, scratch, value, limit, 1);
+                self.vex(COMPARE, scratch, value, limit, 1, FOUR);
                 self.code.push(LARGER);
-                self.vex(SIGNS, RAX, 0, Place::Register(scratch), 0);
+                self.vex(SIGNS, RAX, 0, Place::Register(scratch), 0, FOUR);
                 self.code.extend([0x85, 0xC0]); // test eax, eax
             }
             Instructions::Evex => {
@@ -153,13 +233,17 @@ impl Assembler {
                 self.code.push(LARGER);
                 self.code.extend([0xC5, 0xF9, 0x98, 0xC9]); // kortestb k1, k1
             }
+            Instructions::VexOne => {
+                self.vex(COMPARE_ONE, value, 0, limit, 0, TWO);
+                return self.jump_if(Condition::Above);
+            }
         }
         self.jump_if(Condition::NotEqual)
     }
 
-    /// Three bytes of prefix; `n_after` bytes follow the operand.
-    fn vex(&mut self, Opcode(map, w, opcode): Opcode, d: u8, a: u8, b: Place, n_after: usize) {
-        let third = (u8::from(w) << 7) | ((!a & 15) << 3) | 0b101;
+    /// Three bytes of prefix, of which the last ends with the bits of `kind`; `n_after` bytes follow the operand.
+    fn vex(&mut self, Opcode(map, w, opcode): Opcode, d: u8, a: u8, b: Place, n_after: usize, kind: u8) {
+        let third = (u8::from(w) << 7) | ((!a & 15) << 3) | kind;
         self.code.extend([0xC4, (!(d >> 3) & 1) << 7 | 1 << 6 | (!(high_bits(b) & 1) & 1) << 5 | map, third, opcode]);
         self.operand(d, b, 1, n_after);
     }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 /// Constants of all pieces of code. Those that do not depend on the order lie just before the code, so that their distance from it
 /// does not depend on how many there are.
 pub(super) struct Constants {
-    /// Numbers that one constant takes: AVX2 reads a whole register, AVX-512 spreads one number.
+    /// Numbers that one constant takes: AVX2 reads a whole register, be it one number, AVX-512 spreads one.
     unit: usize,
     /// The numbers before the code, the nearest first.
     before: Vec<u64>,

@@ -4,6 +4,7 @@
 //! given up; it is written to the spill memory if it is nowhere else.
 
 mod products;
+mod products_of_one;
 mod registers;
 
 use super::assembler::*;
@@ -28,28 +29,34 @@ pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
 /// The bits of a number that are not its sign.
 pub(super) const SIZE: u64 = i64::MAX as u64;
 
-/// Registers of memory for values that no register is left for: a piece that needs more is not compiled.
-pub(super) const MOST_SPILLED: usize = 256;
+/// Registers of memory for values that no register is left for: a piece that needs more is not compiled. The twelve stages of a
+/// Runge-Kutta step with a tangent vector take 24 for each component; 128 KB of the stack at most.
+pub(super) const MOST_SPILLED: usize = 2048;
 
-/// The code of a piece; none if it needs too much memory, or has addresses beyond 31 bits.
-pub(super) fn emit(shape: &Shape, constants: &mut Constants, function: usize, assembler: &mut Assembler) -> Option<()> {
+/// The code of a piece, and how many registers it spills; none if these are too many, or addresses are beyond 31 bits.
+pub(super) fn emit(
+    shape: &Shape,
+    constants: &mut Constants,
+    function: usize,
+    assembler: &mut Assembler,
+) -> Option<usize> {
     let mut emitter = Emitter::new(shape, constants, function, assembler)?;
     emitter.run()?;
-    (emitter.n_spilled <= MOST_SPILLED).then_some(())
+    (emitter.n_spilled <= MOST_SPILLED).then_some(emitter.n_spilled)
 }
 
 /// The code that runs pieces in turn, each given where it begins, its bases, in registers after the first, its constants, and what the
 /// lengths of its loops are counted from, these two in bytes from the start of the code. It is called with the addresses of the memory
 /// and of that for spilled values; what it returns is zero unless a piece has left it. None where an address is beyond 31 bits.
 pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<usize> {
-    let width: usize = if assembler.instructions == Instructions::Vex { 32 } else { 64 };
+    let (width, _) = registers(assembler.instructions);
     assembler.align();
     let start = assembler.code.len();
     assembler.push(COUNTS);
     assembler.address(SPILLED, RSI, 0);
     for turn in turns {
         for (register, base) in BASES[1..].iter().zip(&turn.bases[1..]) {
-            assembler.address(*register, BASES[0], i32::try_from(base * width).ok()?);
+            assembler.address(*register, BASES[0], i32::try_from(base * width as usize).ok()?);
         }
         assembler.address_of_constant(CONSTANTS, turn.constants);
         assembler.address_of_constant(COUNTS, turn.counts);
@@ -57,6 +64,15 @@ pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<us
     }
     assembler.leave(0);
     Some(start)
+}
+
+/// Bytes that a register takes in memory, and how many registers there are.
+fn registers(instructions: Instructions) -> (i32, usize) {
+    match instructions {
+        Instructions::Vex => (32, 16),
+        Instructions::Evex => (64, 32),
+        Instructions::VexOne => (8, 16),
+    }
 }
 
 /// What a piece of code is called with.
@@ -106,10 +122,7 @@ impl<'a> Emitter<'a> {
         assembler: &'a mut Assembler,
     ) -> Option<Emitter<'a>> {
         let n = shape.operations.len();
-        let (width, registers) = match assembler.instructions {
-            Instructions::Vex => (32, 16),
-            Instructions::Evex => (64, 32),
-        };
+        let (width, registers) = registers(assembler.instructions);
         let mut emitter = Emitter {
             shape,
             assembler,
@@ -254,6 +267,11 @@ impl<'a> Emitter<'a> {
                 self.assembler.operate(ADD_OF_INTEGERS, to, to, one);
             }
             Operation::Call(function, x) => self.call(value, function, x),
+            Operation::Loop(one)
+                if self.assembler.instructions == Instructions::VexOne && self.shape.loops[one].stride == 1 =>
+            {
+                self.products_of_one(value, &self.shape.loops[one], one)?;
+            }
             Operation::Loop(one) => self.products(value, &self.shape.loops[one], one)?,
         }
         if self.register_of[at].is_some() {

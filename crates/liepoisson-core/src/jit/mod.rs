@@ -1,4 +1,4 @@
-//! Code that is compiled when the program runs: on x86-64 under Linux, for AVX2 and AVX-512.
+//! Code that is compiled when the program runs: on x86-64 under Linux, for AVX2, with four numbers in a register or one, and AVX-512.
 //!
 //! What is compiled is recorded from the code that runs otherwise ([`Recorded`]), so it has the same bits: there is no second formula.
 //! Orders of a series that differ only in how far it has come share one piece of code ([`shape`]), in which sums of products are
@@ -46,6 +46,8 @@ pub(crate) struct Code {
     pages: Pages,
     /// The first byte of the code that runs all orders.
     at: usize,
+    /// Registers that it spills at most.
+    n_spilled: usize,
     /// The pieces of the orders: where each begins.
     #[cfg(test)]
     pieces: Vec<usize>,
@@ -87,6 +89,7 @@ impl Code {
             registers,
             pages: Pages::new(&program.numbers, &program.code)?,
             at: program.at,
+            n_spilled: program.n_spilled,
             #[cfg(test)]
             pieces: program.pieces,
         })
@@ -101,7 +104,7 @@ impl Code {
         assert!(V::INSTRUCTIONS == Some(self.instructions) && memory.len() == self.registers, "code for other memory");
         // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
         // compared all addresses of each order with the number of registers.
-        unsafe { self.pages.run(self.at, memory.as_mut_ptr()) }
+        unsafe { self.pages.run(self.at, self.n_spilled, memory.as_mut_ptr()) }
     }
 }
 
@@ -112,6 +115,7 @@ struct Program {
     numbers: Vec<u64>,
     code: Vec<u8>,
     at: usize,
+    n_spilled: usize,
     /// The pieces of the orders: where each begins.
     pieces: Vec<usize>,
 }
@@ -134,14 +138,14 @@ fn compile(question: &Question) -> Option<Program> {
         shapes.extend(shape);
     }
     let (mut assembler, mut constants) = (Assembler::new(instructions), Constants::new(instructions));
-    let mut entries = vec![];
+    let (mut entries, mut n_spilled) = (vec![], 0);
     for shape in &shapes {
         if !shape.fits(registers) {
             return None;
         }
         assembler.align();
         let at = assembler.code.len();
-        emit(shape, &mut constants, function, &mut assembler)?;
+        n_spilled = n_spilled.max(emit(shape, &mut constants, function, &mut assembler)?);
         let starts = constants.end_piece(shape.orders.len());
         for (order, start) in shape.orders.iter().zip(starts) {
             let counts = constants.shared(&count_bases(order.k).map(|count| count as u64));
@@ -161,6 +165,7 @@ fn compile(question: &Question) -> Option<Program> {
         numbers: constants.into_numbers(),
         code: assembler.code,
         at,
+        n_spilled,
         pieces: turns.iter().map(|turn| turn.at).collect(),
     })
 }
@@ -238,7 +243,7 @@ mod tests {
 
     #[test]
     fn compiled_code_does_what_was_recorded() {
-        for simd in [Simd::Avx2, Simd::Avx512] {
+        for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
             dispatch(simd, Compare);
         }
     }
@@ -251,7 +256,7 @@ mod tests {
             fn run<V: Wide>(self) {
                 let trace = Recorded::trace(20, |memory| {
                     let mut sums = [Recorded::splat(0.0); 2];
-                    Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], false, self.0);
+                    Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], 1, self.0);
                     memory[0] = sums[0];
                     memory[19] = sums[1];
                 });

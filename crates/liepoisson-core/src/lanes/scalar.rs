@@ -1,13 +1,14 @@
 //! A number as a register of one lane.
 
-use super::{Body, Lane, Number, Pair, Wide};
+use super::{Body, Instructions, Lane, Number, Pair, Wide};
 
 macro_rules! scalar_lane {
-    ($lane:ty, $number:ty, |$inner:ident| $value:expr, $make:path, $outline:path) => {
+    ($lane:ty, $number:ty, |$inner:ident| $value:expr, $make:path, $outline:path, $instructions:expr) => {
         impl Lane for $lane {
             type Number = $number;
             const WIDTH: usize = 1;
             const REGISTERS: usize = 16;
+            const INSTRUCTIONS: Option<Instructions> = $instructions;
             #[inline(always)]
             fn splat(x: f64) -> Self {
                 $make(<$number as Number>::of(x))
@@ -72,8 +73,8 @@ fn outline_plain<B: Body>(body: B) {
     body.run();
 }
 
-scalar_lane!(f64, f64, |x| x, std::convert::identity, outline_plain);
-scalar_lane!(f32, f32, |x| x, std::convert::identity, outline_plain);
+scalar_lane!(f64, f64, |x| x, std::convert::identity, outline_plain, None);
+scalar_lane!(f32, f32, |x| x, std::convert::identity, outline_plain, None);
 
 impl Wide for f64 {
     type Vector = [f64; 4];

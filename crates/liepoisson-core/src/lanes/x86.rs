@@ -154,8 +154,8 @@ fn outline_one<B: Body>(body: B) {
     unsafe { outline_avx2(body) }
 }
 
-scalar_lane!(One<f64>, f64, |x| x.0, One, outline_one);
-scalar_lane!(One<f32>, f32, |x| x.0, One, outline_one);
+scalar_lane!(One<f64>, f64, |x| x.0, One, outline_one, Some(Instructions::VexOne));
+scalar_lane!(One<f32>, f32, |x| x.0, One, outline_one, None);
 
 impl Wide for One<f64> {
     type Vector = Avx2Vector;

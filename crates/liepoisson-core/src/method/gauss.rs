@@ -11,7 +11,7 @@ use crate::lanes::{Body, Lane, Wide};
 use crate::method::gauss_legendre::{COLLOCATIONS, Collocation};
 use crate::method::taylor::sum_of_sizes;
 use crate::method::variational::{Sum, Update, Variational, copy_lane, in_chunks, spread};
-use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping};
+use crate::method::{AnyMethod, Block, Method, Options, Precision, Series, StepOutcome, Stepping};
 
 const MAX_STAGES: usize = COLLOCATIONS.len();
 
@@ -47,6 +47,15 @@ impl Gauss {
             return Err(Error::StepSize { got: step });
         }
         Ok(Gauss { n_stages, step, max_steps })
+    }
+
+    /// The method with the options `order`, `step` and `max_steps`.
+    pub(crate) fn with_options(options: &Options) -> Result<AnyMethod, Error> {
+        let order = options.order()?.unwrap_or(4);
+        if order % 2 == 1 {
+            return Err(Error::SplittingOrder { got: order });
+        }
+        Ok(Gauss::new(order / 2, options.step()?, options.max_steps()?)?.into())
     }
 
     /// Order of the method.

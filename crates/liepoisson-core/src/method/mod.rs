@@ -4,33 +4,48 @@ mod cheaper;
 mod components;
 mod dop853;
 mod estimates;
-mod gauss;
 mod gauss_legendre;
 mod known_terms;
 mod mixed_taylor;
+mod options;
 mod overview;
-mod runge_kutta;
 mod series_sum;
-mod splitting;
 mod step_end;
-mod taylor;
 mod taylor_of_tape;
 mod variational;
 
 pub(crate) use cheaper::runge_kutta_is_cheaper;
 pub use components::AcrossComponents;
-pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;
+pub use options::{Options, Setting};
 pub(crate) use overview::FIRST_TERMS;
 pub use overview::{Overview, SeriesSums};
-pub use runge_kutta::RungeKutta;
 pub(crate) use series_sum::sum_series;
-pub use splitting::{LagrangeMap, Split, Splitting};
+pub use splitting::Split;
 pub(crate) use taylor::MAX_ORDER;
-pub use taylor::Taylor;
 
+use crate::choice::{AnyField, methods};
+use crate::ensemble::{Integration, Integrator};
+use crate::error::Error;
 use crate::lanes::{Number, Simd, Task, Wide, dispatch, dispatch_widest};
 use std::collections::TryReserveError;
+use std::sync::Arc;
+
+// Each by the name that it has in Python, where `numeric/method` has a file of that name, with the fields that it applies to. It has
+// `with_options` and `order`.
+methods! {
+    "taylor" taylor::Taylor for [Top Quadratic Tape] outside the browser also [Tops Quadratics];
+    "runge-kutta" runge_kutta::RungeKutta for [] outside the browser also [Top Quadratic Tape];
+    "splitting" splitting::Splitting for [Top SplitTerms] outside the browser also [];
+    "gauss" gauss::Gauss for [] outside the browser also [Top Quadratic Tape];
+    "lagrange-map" lagrange_map::LagrangeMap for [] outside the browser also [Top];
+    // of these, outside the browser:
+    variants:
+    MixedTaylor(MixedTaylor) for [Top Tops];
+    AcrossComponents(AcrossComponents) for [Top];
+    SingleRungeKutta(Single<RungeKutta>) for [Top Quadratic];
+    SingleSplitting(Single<Splitting>) for [Top];
+}
 
 /// A method of integration, for vector fields of type `F`.
 pub trait Method<F>: Copy + Send + Sync {

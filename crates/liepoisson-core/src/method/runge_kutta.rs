@@ -11,7 +11,7 @@ use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS}
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::taylor::sum_of_sizes;
 use crate::method::variational::{Chunk, Sum, Variational, in_chunks, spread};
-use crate::method::{Block, Method, Precision, Series, Single, StepOutcome, Stepping};
+use crate::method::{AnyMethod, Block, Method, Options, Precision, Series, Single, StepOutcome, Stepping};
 
 const ORDER: f64 = 8.0;
 
@@ -49,6 +49,19 @@ impl RungeKutta {
         Ok(RungeKutta { steps: Steps::Adaptive { tolerance }, compensated: false, max_steps })
     }
 
+    /// The method with the options `tol` or `step`, `precision` ("single"), `compensated` and `max_steps`.
+    pub(crate) fn with_options(options: &Options) -> Result<AnyMethod, Error> {
+        let max_steps = options.max_steps()?;
+        let method = match options.number("step")? {
+            Some(step) => RungeKutta::fixed(step, max_steps)?,
+            None => RungeKutta::new(options.number("tol")?.unwrap_or(1e-8), max_steps)?,
+        };
+        if options.says("precision", "single") {
+            return Ok(Single::<RungeKutta>::new(method)?.into());
+        }
+        Ok(if options.says("compensated", "yes") { method.compensated() } else { method }.into())
+    }
+
     /// The method with equal steps between wanted times, at most `step` long.
     ///
     /// A trajectory whose numbers leave the finite ones ends with the last time before that at which its ensemble took
@@ -67,6 +80,11 @@ impl RungeKutta {
     /// For many short steps, where rounding and not the method limits the accuracy.
     pub fn compensated(self) -> RungeKutta {
         RungeKutta { compensated: true, ..self }
+    }
+
+    /// Order of the method.
+    pub fn order(&self) -> usize {
+        8
     }
 
     /// Relative size of the estimated error of a step, if steps are adaptive.

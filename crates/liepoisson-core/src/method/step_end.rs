@@ -57,8 +57,6 @@ pub(super) fn n_looks(field: &Tape, order: usize) -> usize {
 
 /// Places to compute in, and what is known of each lane.
 pub(super) struct StepEnd<V> {
-    /// What was found at the node that was looked at last, as [`look`] leaves it.
-    found: Vec<V>,
     n: usize,
     work: Vec<V>,
     defects: Vec<f64>,
@@ -102,7 +100,6 @@ impl<V: Wide> StepEnd<V> {
             truncation.max(HARMLESS)
         };
         StepEnd {
-            found: vec![V::splat(0.0); 3 * field.n_components() + 2],
             n: field.n_components(),
             work: vec![V::splat(0.0); field.registers(0, 1)],
             defects: vec![0.0; V::WIDTH],
@@ -117,9 +114,9 @@ impl<V: Wide> StepEnd<V> {
         }
     }
 
-    /// The states after these steps, if they were looked at last.
-    pub(super) fn states_after(&self, steps: &[f64]) -> Option<&[V]> {
-        (self.at == steps).then_some(&self.found[..self.n])
+    /// Whether these steps were looked at last: the states after them are known ([`states_at`]).
+    pub(super) fn knows_states_after(&self, steps: &[f64]) -> bool {
+        self.at == steps
     }
 
     /// Forgets the steps of a lane.
@@ -177,8 +174,14 @@ impl<V: Wide> StepEnd<V> {
         }
         let mut nodes = std::mem::take(&mut self.nodes);
         let mut are_good = false;
-        if self.stride() == EVERY {
-            V::outline(CommonNodes { field, memory, row, order, steps, are_good: &mut are_good, to: self });
+        match self.stride() {
+            EVERY => V::outline(CommonNodes { field, memory, row, order, steps, are_good: &mut are_good, to: self }),
+            MANY if self.looks.iter().any(|look| look.is_open) => {
+                V::outline(Defects { field, memory, row, order, steps, part: 1.0, to: self });
+                let is_good = |(look, &defect): (&Look, &f64)| !look.is_open || defect <= self.allowed[MANY - 1];
+                are_good = self.looks.iter().zip(&self.defects).all(is_good);
+            }
+            _ => {}
         }
         let passes = if are_good { 0 } else { MOST_PASSES };
         for _ in 0..passes {
@@ -240,7 +243,7 @@ impl<V: Wide> StepEnd<V> {
     ) -> f64 {
         let Errors { start, x, state, slope, terms } = &mut self.errors;
         let n = self.n;
-        let (values, slopes) = self.found.split_at(n);
+        let (values, slopes) = rows[states_at(field, rows.len())..].split_at(n);
         let (slopes, rates) = slopes.split_at(n);
         start.clear();
         start.extend(rows[..n].iter().map(|x| x.get(lane)));
@@ -291,6 +294,11 @@ struct Errors {
 /// first. A look at one node has the first step alone.
 pub(super) fn look_registers(field: &Tape) -> usize {
     3 * field.n_components() + 5
+}
+
+/// Where, in a memory of so many registers, the states are that a look has led to; what else it has found follows.
+pub(super) fn states_at(field: &Tape, registers: usize) -> usize {
+    registers - look_registers(field) + 2
 }
 
 /// Looks at a node: the state, its slope by the series and by the field, the sum of `|x'(h) - f(x(h))| |h|` over the components, and
@@ -491,7 +499,6 @@ impl<V: Wide> Body for CommonNodes<'_, V> {
                 }
             }
         }
-        to.found.copy_from_slice(&memory[room + 2..][..3 * n + 2]);
         to.at.copy_from_slice(&steps[..V::WIDTH]);
         *are_good = is_good;
     }
@@ -516,14 +523,13 @@ impl<V: Wide> Body for Defects<'_, V> {
         let mut step = V::splat(0.0);
         step.as_scalars_mut().copy_from_slice(&steps[..V::WIDTH]);
         to.at.copy_from_slice(&steps[..V::WIDTH]);
-        let room = memory.len() - look_registers(field);
+        let (room, found) = (memory.len() - look_registers(field), states_at(field, memory.len()));
         memory[room] = step;
-        if field.run_compiled(&NodeLook { field, row, order }, memory) {
-            to.found.copy_from_slice(&memory[room + 2..][..3 * to.n + 2]);
-        } else {
-            look(field, memory, (row, order), step, &mut to.work, &mut to.found);
+        if !field.run_compiled(&NodeLook { field, row, order }, memory) {
+            let (rows, found) = memory.split_at_mut(found);
+            look(field, rows, (row, order), step, &mut to.work, &mut found[..3 * to.n + 2]);
         }
-        let (defect, size) = (to.found[3 * to.n], to.found[3 * to.n + 1]);
+        let (defect, size) = (memory[found + 3 * to.n], memory[found + 3 * to.n + 1]);
         let (defect, size) = (defect.as_scalars(), size.as_scalars());
         for ((to, &defect), &size) in to.defects.iter_mut().zip(defect).zip(size) {
             *to = if defect == 0.0 { 0.0 } else { defect / (part * size) };

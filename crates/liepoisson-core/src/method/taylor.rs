@@ -11,7 +11,7 @@ use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::overview::{LookOver, Overview};
 use crate::method::series_sum::{FEW, Strides, Sums};
-use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping};
+use crate::method::{AnyMethod, Block, Method, MixedTaylor, Options, Precision, Series, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 use std::marker::PhantomData;
 
@@ -49,6 +49,12 @@ impl Taylor {
             return Err(Error::Order { got: order });
         }
         Ok(Taylor { tolerance, order, has_own_order, max_steps })
+    }
+
+    /// The method with the options `tol`, `order`, `precision` ("mixed") and `max_steps`.
+    pub(crate) fn with_options(options: &Options) -> Result<AnyMethod, Error> {
+        let taylor = Taylor::new(options.number("tol")?.unwrap_or(1e-15), options.order()?, options.max_steps()?)?;
+        Ok(if options.says("precision", "mixed") { MixedTaylor(taylor).into() } else { taylor.into() })
     }
 
     /// Relative size of the last retained terms.
@@ -314,55 +320,50 @@ impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { block, ahead, sizes, is_out_of_range } = self;
-        let (sizes, order) = (&mut sizes[..V::WIDTH], block.method.order);
-        let mut are_in_range = true;
-        sizes.fill(f64::INFINITY);
+        let order = block.method.order;
+        // registers, since the number of their lanes is known when this is compiled
+        let (mut logarithm, mut remaining, mut are_in_range) = (V::splat(f64::INFINITY), V::splat(0.0), true);
+        remaining.as_scalars_mut().copy_from_slice(&ahead[..V::WIDTH]);
         for group in 0..=block.n_tangents {
             let [size, last, before] = [0, order, order - 1].map(|k| block.size(k, group));
             // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
             let defect = size.add(last).mul(V::splat(0.0));
             let allowed = logarithms(size.mul(V::splat(block.method.tolerance)));
-            for (longest, defect) in sizes.iter_mut().zip(defect.as_scalars()) {
-                *longest += defect;
-            }
-            shorten(sizes, allowed.as_scalars(), last.as_scalars(), order);
-            shorten(sizes, allowed.as_scalars(), before.as_scalars(), order - 1);
-            for ((&last, &before), &ahead) in last.as_scalars().iter().zip(before.as_scalars()).zip(ahead) {
-                are_in_range &= (is_in_range(last) & is_in_range(before)) | (ahead == 0.0);
+            logarithm = logarithm.add(defect);
+            shorten(logarithm.as_scalars_mut(), allowed.as_scalars(), last.as_scalars(), order);
+            shorten(logarithm.as_scalars_mut(), allowed.as_scalars(), before.as_scalars(), order - 1);
+            let terms = last.as_scalars().iter().zip(before.as_scalars());
+            for ((&last, &before), &remaining) in terms.zip(remaining.as_scalars()) {
+                are_in_range &= (is_in_range(last) & is_in_range(before)) | (remaining == 0.0);
             }
         }
         *is_out_of_range = !are_in_range;
-        shorten_by_trend([&block.trend; 2], block.n_tangents, sizes, block);
+        let step = steps_by_trend([&block.trend; 2], block.n_tangents, logarithm, block);
+        sizes[..V::WIDTH].copy_from_slice(step.as_scalars());
     }
 }
 
-/// Turns logarithms of steps into steps, shortened where the terms before the last two foretell larger ones; by the trends
-/// of the state and of tangent vectors.
+/// The steps with these logarithms, shortened where the terms before the last two foretell larger ones; by the trends of the state and of
+/// tangent vectors.
 #[inline(always)]
-fn shorten_by_trend<V: Lane<Number = f64>>(
+fn steps_by_trend<V: Lane<Number = f64>>(
     trends: [&Trend; 2],
     n_tangents: usize,
-    steps: &mut [f64],
+    mut logarithm: V,
     terms: &impl Terms<V>,
-) {
-    let (mut logarithms, mut step) = (V::splat(0.0), V::splat(0.0));
-    logarithms.as_scalars_mut().copy_from_slice(steps);
-    for step in steps.iter_mut() {
-        *step = exp2_estimate(*step);
-    }
-    step.as_scalars_mut().copy_from_slice(steps);
+) -> V {
+    let step = powers(logarithm);
     let mut suspicious = false;
     for group in 0..=n_tangents {
         suspicious |= trends[usize::from(group > 0)].suspects(step, terms, group);
     }
     if suspicious {
         for group in 0..=n_tangents {
-            trends[usize::from(group > 0)].shorten(logarithms.as_scalars_mut(), terms, group);
+            trends[usize::from(group > 0)].shorten(logarithm.as_scalars_mut(), terms, group);
         }
-        for (step, &logarithm) in steps.iter_mut().zip(logarithms.as_scalars()) {
-            *step = exp2_estimate(logarithm);
-        }
+        return powers(logarithm);
     }
+    step
 }
 
 /// The logarithm in each lane.
@@ -370,6 +371,15 @@ fn shorten_by_trend<V: Lane<Number = f64>>(
 fn logarithms<V: Lane<Number = f64>>(mut x: V) -> V {
     for x in x.as_scalars_mut() {
         *x = log2_estimate(*x);
+    }
+    x
+}
+
+/// The power of two in each lane.
+#[inline(always)]
+fn powers<V: Lane<Number = f64>>(mut x: V) -> V {
+    for x in x.as_scalars_mut() {
+        *x = exp2_estimate(*x);
     }
     x
 }

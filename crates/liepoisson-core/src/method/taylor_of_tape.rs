@@ -2,7 +2,7 @@
 
 use crate::field::{Field, Space, Straight, Tape};
 use crate::lanes::{Body, Lane, Wide};
-use crate::method::step_end::{StepEnd, look_registers, n_looks};
+use crate::method::step_end::{StepEnd, look_registers, n_looks, states_at};
 use crate::method::taylor::{Advance, TaylorBlock, TermSizes};
 use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping, Taylor};
 
@@ -113,8 +113,8 @@ impl<V: Wide> Block for TapeBlock<'_, V> {
 
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
-        let states = self.end.states_after(sizes);
-        V::outline(AdvanceTape { taylor: &mut self.taylor, sizes, states });
+        let knows_states = self.end.knows_states_after(sizes);
+        V::outline(AdvanceTape { taylor: &mut self.taylor, sizes, knows_states });
         self.end.take(sizes);
         for (largest, &size) in self.largest.iter_mut().zip(sizes) {
             *largest = if size.abs() > largest.abs() { size } else { *largest };
@@ -174,29 +174,35 @@ impl<V: Wide> Body for Branches<'_, '_, V> {
     }
 }
 
-/// Advances every lane by its own step, to states that may be known already.
+/// Advances every lane by its own step, to states that a look may have led to already.
 struct AdvanceTape<'b, 'f, V> {
     taylor: &'b mut TaylorBlock<&'f Tape, V>,
     sizes: &'b [f64],
-    states: Option<&'b [V]>,
+    knows_states: bool,
 }
 
 impl<V: Wide> Body for AdvanceTape<'_, '_, V> {
     #[inline(always)]
     fn run(self) {
-        let AdvanceTape { taylor, sizes, states } = self;
-        let first_group = usize::from(states.is_some());
+        let AdvanceTape { taylor, sizes, knows_states } = self;
+        let first_group = usize::from(knows_states);
         let (field, row, n_registers) = (taylor.field, taylor.row, taylor.n_registers);
-        let mut step = V::splat(0.0);
-        step.as_scalars_mut().copy_from_slice(sizes);
-        taylor.rows[n_registers] = step;
         let n = field.n_components();
         let sum = Sum { n_registers, row, first: first_group * n, order: taylor.method.order() };
-        if !field.run_compiled(&sum, &mut taylor.rows) {
-            V::outline(Advance { block: taylor, sizes, first_group });
+        if sum.first < row {
+            let mut step = V::splat(0.0);
+            step.as_scalars_mut().copy_from_slice(sizes);
+            taylor.rows[n_registers] = step;
+            if !field.run_compiled(&sum, &mut taylor.rows) {
+                V::outline(Advance { block: taylor, sizes, first_group });
+            }
         }
-        if let Some(states) = states {
-            taylor.rows[..n].copy_from_slice(states);
+        if knows_states {
+            let at = states_at(field, taylor.rows.len());
+            let (rows, states) = taylor.rows.split_at_mut(at);
+            for (to, &state) in rows[..n].iter_mut().zip(&*states) {
+                *to = state;
+            }
         }
     }
 }

@@ -51,24 +51,6 @@ fn quadratic_invariants_are_kept_to_round_off() {
     }
 }
 
-/// Slope of `log error` over `log step` against the Taylor method, for the state and a tangent vector.
-#[test]
-fn order_is_twice_the_number_of_stages() {
-    let (states, tangents, times) = (starts(4), starts(5)[9..].to_vec(), [0.0, 3.2]);
-    let exact = run(&GENERAL.top(), taylor(1e-15), &states, &tangents, &times, Simd::widest());
-    for (n_stages, steps) in [(1, [0.05, 0.025]), (2, [0.1, 0.05]), (3, [0.2, 0.1]), (4, [0.2, 0.1])] {
-        let errors = steps.map(|step| {
-            let ours = run(&GENERAL.top(), gauss(n_stages, step), &states, &tangents, &times, Simd::widest());
-            (distance(&ours.states, &exact.states), distance(&ours.tangents, &exact.tangents))
-        });
-        assert!(errors[1].0 > 1e-13, "{errors:?} is round-off");
-        for ratio in [errors[0].0 / errors[1].0, errors[0].1 / errors[1].1] {
-            let order = ratio.log2();
-            assert!((order - 2.0 * n_stages as f64).abs() < 0.3, "{n_stages} stages: order {order}, {errors:?}");
-        }
-    }
-}
-
 #[test]
 fn running_backwards_returns_to_the_start() {
     let (p, states) = (GENERAL, starts(8));

@@ -136,7 +136,7 @@ impl Hashes {
         let n = field.n_components();
         let plane = Instruction::Linear { terms: vec![(0, 1.0)], constant: -0.1 };
         let function = Functions::new(n, vec![plane], vec![n]).unwrap();
-        let surface = Surface { function, kept: None, direction: 0, n_crossings: None, sides: vec![] };
+        let surface = Surface { function, kept: None, guard: None, direction: 0, n_crossings: None, sides: vec![] };
         let states = numbers(n * TRAJECTORIES, 1);
         let ensemble =
             Ensemble { field, method: taylor(), states: &states, tangents: &[], n_tangents: 0, times: &[0.0, t_end] };

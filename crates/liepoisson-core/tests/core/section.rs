@@ -31,6 +31,7 @@ fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
     Surface {
         function: Functions::new(n, instructions, vec![output]).unwrap(),
         kept: None,
+        guard: None,
         direction: 0,
         n_crossings: None,
         sides: vec![],
@@ -200,6 +201,33 @@ fn kept_numbers_are_functions_of_the_state_at_the_crossing() {
         assert!((kept[0] - state[1] * state[1]).abs() < 1e-15);
         assert!((kept[1] - libm::sin(state[1])).abs() < 1e-15);
         assert_eq!(kept[2], state[0]);
+    }
+}
+
+#[test]
+fn an_angle_is_crossed_once_in_every_turn() {
+    // theta' = p, p' = 0; the surface theta = 0 modulo a turn
+    let rotor = Quadratic::new(2, &[], &[(0, 1, 1.0)], &[]).unwrap();
+    let guard = Functions::new(2, vec![Instruction::Cos(0)], vec![2]).unwrap();
+    let angle = Surface { guard: Some(guard), ..surface(2, vec![Instruction::Sin(0)]) };
+    for (p, sign) in [(0.7, 1), (-40.0, -1)] {
+        let found = alone(&rotor, &[0.3, p], [0.0, 50.0], &angle);
+        let first = if p > 0.0 { 1 } else { 0 };
+        let n = (0.3 + 50.0 * p).abs().div_euclid(2.0 * PI) as usize + 1 - first;
+        assert_eq!((found.crossing_counts, found.touch_counts), (vec![n], vec![0]), "p = {p}");
+        for (k, time) in found.crossings.times.iter().enumerate() {
+            let wanted = (2.0 * PI * f64::from(sign) * (k + first) as f64 - 0.3) / p;
+            assert!((time - wanted).abs() < 1e-13 * 50.0, "p = {p}: {time} for {wanted}");
+        }
+        assert!(found.crossings.signs.iter().all(|&found| i32::from(found) == sign));
+    }
+    let few = Surface { n_crossings: Some(3), ..angle.clone() };
+    let found = alone(&rotor, &[0.3, 1.0], [0.0, 50.0], &few);
+    assert_eq!(found.crossing_counts, [3]);
+    assert!(found.summaries[0].time < 6.5 * PI);
+    for (theta, is_in_surface) in [(0.0, true), (PI, false)] {
+        let found = alone(&rotor, &[theta, 0.0], [0.0, 1.0], &angle).uncertified[0];
+        assert_eq!((found.is_in_surface, found.unresolved_time), (is_in_surface, 0.0), "theta = {theta}");
     }
 }
 

@@ -170,22 +170,6 @@ proptest! {
     }
 }
 
-/// Log-log slope of the error at a fixed time, between the steps at which it is far from both its plateaus.
-#[test]
-fn measured_order_is_the_declared_one() {
-    let x = &starts(3)[9..18];
-    for p in [one_of_each()[0], one_of_each()[4]] {
-        let top = p.top();
-        let exact = end(&top, taylor(2e-16), x, &[0.0, 2.0]);
-        for (order, coarse) in [(2, 200.0), (4, 40.0), (6, 20.0), (8, 20.0)] {
-            let error = |n: f64| distance(&end(&top, splitting(order, 2.0 / n), x, &[0.0, 2.0]), &exact);
-            let (first, second) = (error(coarse), error(2.0 * coarse));
-            let slope = (first / second).log2();
-            assert!((slope - order as f64).abs() < 0.3, "order {order}: {slope}, errors {first:e} {second:e}");
-        }
-    }
-}
-
 /// The numerical solution is the exact one of a nearby energy, so the error oscillates instead of growing.
 #[test]
 fn energy_error_stays_bounded_over_a_hundred_thousand_steps() {

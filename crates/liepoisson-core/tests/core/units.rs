@@ -152,7 +152,7 @@ fn power_series_of_steps_are_those_of_the_orbit_in_all_units() {
 #[test]
 fn sections_are_the_same_in_all_units() {
     let function = Functions::new(9, vec![], vec![0]).unwrap();
-    let surface = Surface { function, kept: None, direction: 0, n_crossings: None, sides: vec![] };
+    let surface = Surface { function, kept: None, guard: None, direction: 0, n_crossings: None, sides: vec![] };
     let of = |rate: f64| {
         let (top, states, times) = (parameters_at(rate).top(), starts(TRAJECTORIES), [0.0, 20.0 / rate]);
         let method = taylor(1e-14);

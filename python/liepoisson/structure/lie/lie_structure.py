@@ -43,11 +43,17 @@ class LieStructure:
     Args:
         dimension: The dimension n.
         brackets: $c_{ij}^k$ for i < j, the nonzero ones.
+        more: Other numbers that the field is to contain.
     """
 
-    def __init__(self, dimension: int, brackets: Mapping[tuple[int, int], Mapping[int, Exact]]) -> None:
+    def __init__(
+        self,
+        dimension: int,
+        brackets: Mapping[tuple[int, int], Mapping[int, Exact]],
+        more: Iterable[Exact] = (),
+    ) -> None:
         self.dimension = dimension
-        self.field = Coefficients.containing(c for row in brackets.values() for c in row.values())
+        self.field = Coefficients.containing([*(c for row in brackets.values() for c in row.values()), *more])
         self.zero: Exact = self.field.write(self.field.zero)
         self.brackets: dict[tuple[int, int], Vector] = {}
         self.ad: list[dict[int, Vector]] = [{} for _ in range(dimension)]
@@ -79,23 +85,23 @@ class LieStructure:
 
     def killing_form(self) -> ExactMatrix:
         r"""The matrix $\kappa_{ij} = \operatorname{tr}(\mathrm{ad}_i\, \mathrm{ad}_j) = c_{ik}^l c_{jl}^k$."""
-        return tuple(self._dense(row, 2) for row in self._killing_rows())
+        return tuple(self._dense(row, 2) for row in self.killing_rows())
 
     def killing_rank(self) -> int:
         """The rank of the Killing form; the algebra is semisimple when it is the dimension (Cartan)."""
         span = Echelon(self.field)
-        for row in self._killing_rows():
+        for row in self.killing_rows():
             span.insert(row)
         return len(span)
 
     def derived_series(self) -> tuple[Subspace, ...]:
         r"""The ideals $g \supset [g, g] \supset [[g, g], [g, g]] \supset \dots$ until they repeat or vanish."""
-        return self._series(lambda ideal: self._span_of_brackets(ideal, ideal))
+        return self._series(lambda ideal: self.span_of_brackets(ideal, ideal))
 
     def lower_central_series(self) -> tuple[Subspace, ...]:
         r"""The ideals $g \supset [g, g] \supset [g, [g, g]] \supset \dots$ until they repeat or vanish."""
-        whole = self._whole()
-        return self._series(lambda ideal: self._span_of_brackets(whole, ideal))
+        whole = self.whole()
+        return self._series(lambda ideal: self.span_of_brackets(whole, ideal))
 
     def centre(self) -> Subspace:
         r"""The elements z with $[z, e_j] = 0$ for all j."""
@@ -110,9 +116,10 @@ class LieStructure:
         centre = Echelon(self.field)
         for vector in equations.null_space(self.dimension):
             centre.insert(vector)
-        return self._subspace(centre.basis())
+        return self.subspace(centre.basis())
 
-    def _killing_rows(self) -> list[Vector]:
+    def killing_rows(self) -> list[Vector]:
+        """The Killing form as sparse rows of elements of the field."""
         by_entry: dict[tuple[int, int], list[tuple[int, Element]]] = {}
         for j, rows in enumerate(self.ad):
             for l, row in rows.items():
@@ -127,32 +134,35 @@ class LieStructure:
         return [self._nonzero(row) for row in form]
 
     def _series(self, following: Callable[[list[Vector]], list[Vector]]) -> tuple[Subspace, ...]:
-        series = [self._whole()]
+        series = [self.whole()]
         while series[-1]:
             ideal = following(series[-1])
             if len(ideal) == len(series[-1]):
                 break
             series.append(ideal)
-        return tuple(self._subspace(ideal) for ideal in series)
+        return tuple(self.subspace(ideal) for ideal in series)
 
-    def _whole(self) -> list[Vector]:
+    def whole(self) -> list[Vector]:
+        """The basis itself."""
         return [{i: self.field.one} for i in range(self.dimension)]
 
-    def _span_of_brackets(self, first: list[Vector], second: list[Vector]) -> list[Vector]:
+    def span_of_brackets(self, first: list[Vector], second: list[Vector]) -> list[Vector]:
+        """The reduced echelon basis of [a, b], a and b bases of ideals with a containing b."""
         span = Echelon(self.field)
         if len(first) == len(second) == self.dimension:
             vectors: Iterable[Vector] = self.brackets.values()
         elif first is second:
-            vectors = (self._bracket(u, v) for u, v in combinations(first, 2))
+            vectors = (self.bracket(u, v) for u, v in combinations(first, 2))
         else:
-            vectors = (self._bracket(u, v) for u in first for v in second)
+            vectors = (self.bracket(u, v) for u in first for v in second)
         for vector in vectors:
             span.insert(vector)
             if len(span) == len(second):
                 break  # an ideal contains its brackets with anything
         return span.basis()
 
-    def _bracket(self, u: Vector, v: Vector) -> Vector:
+    def bracket(self, u: Vector, v: Vector) -> Vector:
+        """The bracket of two elements."""
         result: Vector = {}
         for i, a in u.items():
             for j in v.keys() & self.ad[i].keys():
@@ -163,7 +173,8 @@ class LieStructure:
     def _nonzero(self, vector: Vector) -> Vector:
         return {k: value for k, value in vector.items() if not self.field.vanishes(value)}
 
-    def _subspace(self, vectors: list[Vector]) -> Subspace:
+    def subspace(self, vectors: list[Vector]) -> Subspace:
+        """The span of a reduced echelon basis."""
         # Scaling all structure constants does not move a subspace: its basis is homogeneous of degree 0.
         return Subspace(tuple(self._dense(vector, 0) for vector in vectors))
 

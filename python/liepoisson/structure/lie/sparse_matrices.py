@@ -10,7 +10,7 @@ from typing import Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
-from liepoisson.algebra.exact_numbers import Exact, is_sympy
+from liepoisson.algebra.exact_numbers import Exact, is_sympy, is_zero
 from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import listed_rows, read_parameter
@@ -27,8 +27,10 @@ _IMAGINARY = re.compile(r"(?<![A-Za-z_])[iIj](?!\w)")
 """What others write for the imaginary unit; in a text these are names of parameters."""
 
 
-def brackets_of_matrices(matrices: Sequence[object]) -> Brackets:
+def brackets_of_matrices(matrices: Sequence[object], *, hermitian: bool = False) -> Brackets:
     r"""The $c_{ij}^k$ of $M_i M_j - M_j M_i = c_{ij}^k M_k$, for i < j, the nonzero ones.
+
+    Hermitian ones have $M_i M_j - M_j M_i = i\,c_{ij}^k M_k$, the commutators of $-i M_k$.
 
     Each commutator is reduced by the echelon form of the matrices, which carry a tag each: the tags that remain are its
     coordinates.
@@ -37,16 +39,19 @@ def brackets_of_matrices(matrices: Sequence[object]) -> Brackets:
         ShapeError: not a sequence of square matrices of one size.
         BracketError: linearly dependent, or a commutator outside of the span.
     """
-    pairs = _read_pairs(matrices, "matrices")
-    found, outside = _brackets(*_as_real(pairs))
+    pairs = read_pairs(matrices, "matrices")
+    if hermitian:
+        check_hermitian(pairs, "matrices")
+        pairs = [times_minus_i(matrix) for matrix in pairs]
+    found, outside = _brackets(*as_real(pairs))
     if outside is not None:
         i, j = outside
         raise BracketError(
             f"matrices must be closed under commutators; that of matrices {i} and {j} is outside of their real span. "
             + (
-                "Multiply all of them by i: i M_1, i M_2, ... are closed."
-                if _brackets(*_as_real([_times_i(matrix) for matrix in pairs]))[1] is None
-                else "Add it to them; if others are then outside, add these, too."
+                "Hermitian generators are closed after multiplication by -i: write hermitian=True."
+                if _brackets(*as_real([times_minus_i(matrix) for matrix in pairs]))[1] is None
+                else "Add it to them; algebras.closure adds all that are missing."
             )
         )
     return found
@@ -84,10 +89,10 @@ def read_matrices(matrices: object, name: str) -> tuple[list[SparseMatrix], int]
         ShapeError: not a nonempty sequence of square matrices of one size.
         ParameterError: an entry is not exact.
     """
-    return _as_real(_read_pairs(matrices, name))
+    return as_real(read_pairs(matrices, name))
 
 
-def _read_pairs(matrices: object, name: str) -> list[PairMatrix]:
+def read_pairs(matrices: object, name: str) -> list[PairMatrix]:
     """The matrices by the real and imaginary parts of their entries."""
     items = listed(matrices, name)
     if not items:
@@ -99,7 +104,7 @@ def _read_pairs(matrices: object, name: str) -> list[PairMatrix]:
     return [[[_parts(v, f"{name}[{i}]") for v in row] for row in matrix] for i, matrix in enumerate(rows)]
 
 
-def _as_real(matrices: list[PairMatrix]) -> tuple[list[SparseMatrix], int]:
+def as_real(matrices: list[PairMatrix]) -> tuple[list[SparseMatrix], int]:
     """Real matrices as they are, complex ones as real ones of twice the size; and the size."""
     m = len(matrices[0])
     if any(imaginary != 0 for matrix in matrices for row in matrix for _, imaginary in row):
@@ -107,8 +112,25 @@ def _as_real(matrices: list[PairMatrix]) -> tuple[list[SparseMatrix], int]:
     return [_sparse([[real for real, _ in row] for row in matrix]) for matrix in matrices], m
 
 
-def _times_i(matrix: PairMatrix) -> PairMatrix:
-    return [[(-imaginary, real) for real, imaginary in row] for row in matrix]
+def times_minus_i(matrix: PairMatrix) -> PairMatrix:
+    """-i times a matrix."""
+    return [[(imaginary, -real) for real, imaginary in row] for row in matrix]
+
+
+def check_hermitian(pairs: Sequence[PairMatrix], name: str) -> None:
+    """Refuse matrices that are not hermitian.
+
+    Raises:
+        ParameterError: one of them is not.
+    """
+    for k, matrix in enumerate(pairs):
+        for i, row in enumerate(matrix):
+            for j, (real, imaginary) in enumerate(row[: i + 1]):
+                if not is_zero(real - matrix[j][i][0]) or not is_zero(imaginary + matrix[j][i][1]):
+                    raise ParameterError(
+                        f"{name}[{k}]: wanted a hermitian matrix; got one whose entries ({i}, {j}) and ({j}, {i}) are "
+                        "not conjugate to each other. Correct it, or leave out hermitian=True."
+                    )
 
 
 def _read_rows(matrix: object, name: str) -> list[list[object]]:

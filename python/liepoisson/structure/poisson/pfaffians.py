@@ -7,7 +7,8 @@ On the set where two fields are parallel, polynomials are taken at $u = s\,n$, $
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
@@ -102,6 +103,24 @@ class PfaffianIdeal:
                     total[monomial] = total[monomial] + term if monomial in total else term
             known[rows] = {m: c for m, c in total.items() if c}
         return known[rows]
+
+
+def pfaffians(entries: Mapping[tuple[int, int], Any], n: int, size: int) -> list[Any]:
+    """The nonzero Pfaffians of the principal blocks of a size, of a matrix whose entries (i, j), i < j, are given."""
+
+    @cache
+    def of(rows: tuple[int, ...]) -> Any:
+        if not rows:
+            return 1
+        first, rest = rows[0], rows[1:]
+        terms = [
+            (-1) ** k * entries[first, partner] * of(rest[:k] + rest[k + 1 :])
+            for k, partner in enumerate(rest)
+            if (first, partner) in entries
+        ]
+        return sum(terms[1:], start=terms[0]) if terms else 0
+
+    return [found for rows in combinations(range(n), size) if (found := of(rows)) != 0]
 
 
 Blocks = Sequence[tuple[int, ...]]

@@ -104,6 +104,21 @@ class TensorEntries:
     def _field(self) -> Coefficients:
         return self._containing([])
 
+    @cached_property
+    def _roots(self) -> bool | None:
+        """Whether square roots of rational functions occur in numerators alone; None if others or none at all do.
+
+        With roots in denominators the sums grow beyond what is computed in seconds.
+        """
+        from sympy import fraction, together
+
+        roots: dict[Any, Any] = {}
+        named = [_with_named_roots(entry, roots) for entry in self.entries.values()]
+        symbols = [*{s for one in (*named, *roots) for s in one.free_symbols}]
+        if not roots or not all(one.is_rational_function(*symbols) for one in (*named, *roots)):
+            return None
+        return not any(fraction(together(one))[1].has(*roots.values()) for one in named)
+
     def _containing(self, more: Iterable[Expr]) -> Coefficients:
         slopes = (slope for own in self._slopes.values() for slope in own.values())
         return Coefficients.containing([*self.variables, *self.entries.values(), *slopes, *more])
@@ -123,6 +138,9 @@ class TensorEntries:
 
     def jacobi_residual(self, triple: Triple) -> Expr | None:
         r"""The cyclic sum of $\{\{x_i, x_j\}, x_k\}$ where it is found zero or decided; None where it is left open."""
+        if self._roots is not None:
+            is_proved = self._roots and _vanishes_with_roots(self._cyclic(triple))
+            return to_sympy(Fraction(0)) if is_proved else None
         field, total = self._field, self._field.zero
         for term in self._cyclic(triple):
             first, second = (field.read(factor) for factor in term)
@@ -305,6 +323,41 @@ class TensorEntries:
         names = sorted({*map(str, self.variables), *map(str, symbols)})
         for _ in range(N_POINTS):
             yield {name: Rational(random.randrange(1, 1000), 1000) for name in names}
+
+
+def _with_named_roots(expression: Any, roots: dict[Any, Any]) -> Any:
+    """The expression with a name for the square root of each base, which is added to `roots`."""
+    from sympy import Dummy
+
+    def named(power: Any) -> Any:
+        base = power.base
+        return base ** ((power.exp.p - 1) // 2) * roots.setdefault(base, Dummy())
+
+    def is_root(e: Any) -> bool:
+        return bool(e.is_Pow and e.exp.is_Rational and e.exp.q == 2 and e.base.free_symbols)
+
+    return expression.replace(is_root, named)
+
+
+def _vanishes_with_roots(products: Iterable[tuple[Expr, Expr]]) -> bool:
+    """Whether a sum of products is zero by the rule that the square of a root is its base."""
+    roots: dict[Any, Any] = {}
+    factors = [tuple(_with_named_roots(factor, roots) for factor in product) for product in products]
+    field = Coefficients.containing([*roots, *roots.values(), *(one for pair in factors for one in pair)])
+    total = sum((field.read(a) * field.read(b) for a, b in factors), field.zero)
+    if not total:
+        return True
+    names = [*map(str, field.parameters)]
+    places = {names.index(str(name)): field.read(base) for base, name in roots.items()}
+    parts: dict[tuple[int, ...], Any] = {}
+    for powers, c in total.numer.terms():
+        odd = tuple(powers[k] % 2 for k in places)
+        term = total.numer.ring({tuple(0 if k in places else int(p) for k, p in enumerate(powers)): c})
+        value = field.domain(term)
+        for k, base in places.items():
+            value = value * base ** (powers[k] // 2)
+        parts[odd] = parts.get(odd, field.zero) + value
+    return not any(parts.values())
 
 
 def _is_rational(field: Coefficients, variables: Sequence[Symbol]) -> bool:

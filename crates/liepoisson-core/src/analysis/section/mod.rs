@@ -38,6 +38,9 @@ pub struct Surface {
     pub function: Functions,
     /// What is kept of every crossing; by default the whole state.
     pub kept: Option<Functions>,
+    /// One function, which is positive on the surface; by default all zeros belong to it. Of an angle `s` the zeros of `sin s`
+    /// with `cos s` positive are those modulo a turn.
+    pub guard: Option<Functions>,
     /// Crossings with this sign of the change of the function, in the order of travel; 0 for both.
     pub direction: i8,
     /// Crossings after which a trajectory ends, where the sign of the function after the last one is known: beside it, and
@@ -138,7 +141,7 @@ fn sections_of(
     watch: Watch<'_>,
 ) -> Result<Sections, Error> {
     let (n, trajectories) = (ensemble.any.n_components, ensemble.n_trajectories());
-    for functions in std::iter::once(&surface.function).chain(&surface.kept) {
+    for functions in std::iter::once(&surface.function).chain(&surface.kept).chain(&surface.guard) {
         if functions.n_components() != n {
             return Err(Error::Length { name: "variables of the surface", wanted: n, got: functions.n_components() });
         }
@@ -271,8 +274,9 @@ impl Observer for Recorder<'_> {
         let slot = &mut self.slots[lane];
         slot.leave_the_nearest();
         if !slot.had_side && summary.n_steps > 0 {
-            slot.uncertified.is_in_surface = can_tell && slot.uncertified.n_unseen == 0 && !slot.is_cut;
-            if !slot.uncertified.is_in_surface {
+            let vanishes = can_tell && slot.uncertified.n_unseen == 0 && !slot.is_cut;
+            slot.uncertified.is_in_surface = vanishes && self.workspace.is_guarded(self.surface, &summary.state);
+            if !vanishes {
                 let time = (summary.time - self.start).abs();
                 slot.uncertified.unresolved_time = (time - slot.uncertified.undefined_time).max(0.0);
                 slot.uncertified.seen_to = self.start;

@@ -61,22 +61,30 @@ pub(super) struct Lost {
 /// A start is on the surface if the function there is within this multiple of its error.
 const FAR: f64 = 1e3;
 
+/// A place where the function is zero, or nearly so.
+#[derive(Clone)]
+pub(super) struct Found {
+    pub(super) time: f64,
+    pub(super) kept: Vec<f64>,
+    /// Whether it belongs to the surface, by its guard.
+    pub(super) is_on_surface: bool,
+}
+
 #[derive(Clone)]
 struct Nearest {
-    time: f64,
     /// The size of the function.
     size: f64,
-    kept: Vec<f64>,
+    found: Found,
 }
 
 impl Slot {
     /// Ends the stay near the surface without a decision: a touch, if it came from a side and did not start there.
     pub(super) fn leave_the_nearest(&mut self) {
-        if let Some(Nearest { time, kept, .. }) = self.nearest.take()
+        if let Some(Nearest { found, .. }) = self.nearest.take()
             && self.side != 0
             && self.had_side
         {
-            self.touch((time, kept), self.side);
+            self.touch(&found, self.side);
         }
     }
 
@@ -90,45 +98,46 @@ impl Slot {
     }
 
     /// Draws the conclusion from what is known of the sign at a place of the step.
-    pub(super) fn note(&mut self, mark: Mark, direction: i8, keep: &mut impl FnMut(f64) -> (f64, Vec<f64>)) {
+    pub(super) fn note(&mut self, mark: Mark, direction: i8, keep: &mut impl FnMut(f64) -> Found) {
         match mark {
             Mark::Near { at, size } => {
                 if self.side != 0 && self.nearest.as_ref().is_none_or(|nearest| size < nearest.size) {
-                    let (time, kept) = keep(at);
-                    self.nearest = Some(Nearest { time, size, kept });
+                    self.nearest = Some(Nearest { size, found: keep(at) });
                 }
             }
-            Mark::Zero { at, positive, .. } => self.cross(sign(positive), direction, keep(at)),
+            Mark::Zero { at, positive, .. } => self.cross(sign(positive), direction, &keep(at)),
             Mark::Sign { at, positive } => self.note_sign(sign(positive), direction, || keep(at)),
         }
     }
 
     /// The function has this sign from a place on that `keep` knows.
-    fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> (f64, Vec<f64>)) {
+    fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> Found) {
         let starts_here = !std::mem::replace(&mut self.had_side, true);
         self.regained =
             self.lost.take().filter(|lost| lost.side == -side && [0, side].contains(&direction)).or(self.regained);
         match self.nearest.take() {
-            Some(Nearest { time, kept, .. }) if self.side != side => self.cross(side, direction, (time, kept)),
+            Some(Nearest { found, .. }) if self.side != side => self.cross(side, direction, &found),
             Some(_) if starts_here => {}
-            Some(Nearest { time, kept, .. }) => self.touch((time, kept), side),
+            Some(Nearest { found, .. }) => self.touch(&found, side),
             // between two steps, whose ends differ in round-off
-            None if self.side == -side => self.cross(side, direction, keep()),
+            None if self.side == -side => self.cross(side, direction, &keep()),
             None => self.side = side,
         }
     }
 
-    fn cross(&mut self, side: i8, direction: i8, (time, kept): (f64, Vec<f64>)) {
-        if direction == 0 || direction == side {
-            let pushed = self.crossings.push(time, &kept, side);
+    fn cross(&mut self, side: i8, direction: i8, found: &Found) {
+        if found.is_on_surface && (direction == 0 || direction == side) {
+            let pushed = self.crossings.push(found.time, &found.kept, side);
             self.refused = self.refused.max(pushed.err().unwrap_or(0));
         }
         (self.side, self.had_side, self.nearest) = (side, true, None);
     }
 
-    fn touch(&mut self, (time, kept): (f64, Vec<f64>), side: i8) {
-        let pushed = self.touches.push(time, &kept, side);
-        self.refused = self.refused.max(pushed.err().unwrap_or(0));
+    fn touch(&mut self, found: &Found, side: i8) {
+        if found.is_on_surface {
+            let pushed = self.touches.push(found.time, &found.kept, side);
+            self.refused = self.refused.max(pushed.err().unwrap_or(0));
+        }
     }
 }
 

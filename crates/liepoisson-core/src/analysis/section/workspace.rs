@@ -3,6 +3,7 @@
 
 use super::components::Components;
 use super::remainder::{Sizes, left_out, scale, term};
+use super::slot::Found;
 use super::{SectionEnsemble, Surface};
 use crate::ensemble::Step;
 use crate::field::{Enclosure, Functions, Rounding};
@@ -162,10 +163,11 @@ impl Workspace {
     }
 
     /// What is kept of the point at a fraction `at` of the step.
-    pub(super) fn keep(&mut self, step: &Step<'_>, surface: &Surface, n: usize, at: f64) -> (f64, Vec<f64>) {
+    pub(super) fn keep(&mut self, step: &Step<'_>, surface: &Surface, n: usize, at: f64) -> Found {
         let tau = at * step.size;
         let mut state = vec![0.0; n];
         step.state(tau, &mut state);
+        let is_on_surface = self.is_guarded(surface, &state);
         let kept = match &surface.kept {
             None => state,
             Some(kept) => {
@@ -174,6 +176,15 @@ impl Workspace {
                 values
             }
         };
-        (step.time + tau, kept)
+        Found { time: step.time + tau, kept, is_on_surface }
+    }
+
+    /// Whether a zero of the function belongs to the surface.
+    pub(super) fn is_guarded(&mut self, surface: &Surface, state: &[f64]) -> bool {
+        surface.guard.as_ref().is_none_or(|guard| {
+            let mut value = [0.0];
+            guard.series(state, &mut self.work, &mut value);
+            value[0] > 0.0
+        })
     }
 }

@@ -82,14 +82,18 @@ impl Emitter<'_> {
 
     /// Loads a value from where it is beside registers.
     pub(super) fn load(&mut self, to: Register, value: Value) {
-        let is_zero = match self.shape.operations[value as usize] {
-            Operation::Constant(number) => self.shape.columns[number as usize].iter().all(|&bits| bits == 0),
-            _ => false,
-        };
-        if is_zero {
+        if self.is_zero(value) {
             return self.assembler.zero(to);
         }
         self.assembler.load(to, self.home[value as usize].expect("a value is in a register or in memory"));
+    }
+
+    /// Whether a value is the constant zero, at each order.
+    pub(super) fn is_zero(&self, value: Value) -> bool {
+        match self.shape.operations[value as usize] {
+            Operation::Constant(number) => self.shape.columns[number as usize].iter().all(|&bits| bits == 0),
+            _ => false,
+        }
     }
 
     /// Where an operation that may read memory finds a value: there, if nothing else needs it soon.

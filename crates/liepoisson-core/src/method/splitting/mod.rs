@@ -14,12 +14,12 @@ mod split_terms;
 mod top;
 
 use crate::error::Error;
-use crate::field::{Space, Top};
+use crate::field::Space;
 use crate::lanes::{Body, Lane, Number, Wide};
 use crate::method::variational::spread;
-use crate::method::{Block, Method, Precision, Series, Single, StepOutcome, Stepping};
+use crate::method::{AnyMethod, Block, Method, Options, Precision, Series, Single, StepOutcome, Stepping};
 use coefficients::{ORDERS, Scheme};
-use top::DiscreteLagrange;
+pub(super) use top::DiscreteLagrange;
 
 /// Steps between two looks at whether the numbers are finite; the work between two turns of the ensemble's loop.
 const MOST_REPEATS: u64 = 64;
@@ -46,6 +46,12 @@ impl Splitting {
             return Err(Error::StepSize { got: step });
         }
         Ok(Splitting { order, step, max_steps })
+    }
+
+    /// The method with the options `order`, `step`, `precision` ("single") and `max_steps`.
+    pub(crate) fn with_options(options: &Options) -> Result<AnyMethod, Error> {
+        let method = Splitting::new(options.order()?.unwrap_or(4), options.step()?, options.max_steps()?)?;
+        Ok(if options.says("precision", "single") { Single(method).into() } else { method.into() })
     }
 
     /// Order of the composition.
@@ -99,62 +105,8 @@ fn registers(n_components: usize, n_tangents: usize) -> usize {
     n_components * (2 * (1 + n_tangents) + 3)
 }
 
-/// An integrable top in discrete time: the (charged, twisted) Lagrange top, `I1 = I2` with `a` and `b` along the third axis.
-///
-/// Strang's splitting, but alpha and beta turn about l by `2 arctan(h |l| / (2 I1))` instead of `h |l| / I1`, which is the
-/// flow of another function of `|l|`: so it is explicit, a Poisson map, and keeps all Casimirs and `l3`. With `s = a3 I1`,
-/// `u = eps a3^2 I1^2`, `k = -h/(2 I1)` and `e` the axis, after a turn and before the next kick,
-/// ```text
-/// L(z) = (e + k l x e + k^2 s alpha) + (l + k^2 u beta)/z + s alpha/z^2 + u beta/z^3
-/// ```
-/// becomes `(1 + k z e) L(z) (1 + k z e)^-1` in a step (in space, vectors as quaternions). So the coefficients of `|L(z)|^2`
-/// are constant to round-off: a deformed energy and a deformed `P = l.alpha + eps I1 a3 beta3` are among them. If b is
-/// not zero, alpha stands for `alpha + (b3/a3) beta`. For `eps = 0` it is the discrete top of Bobenko and Suris.
-///
-/// # References
-/// Bobenko and Suris, *Discrete time Lagrangian mechanics on Lie groups, with an application to the Lagrange top*,
-/// Commun. Math. Phys. 204 (1999), for the ordinary top; the twisted one was derived from this Lax pair.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LagrangeMap {
-    step: f64,
-    max_steps: u64,
-}
-
-impl LagrangeMap {
-    /// The map with equal steps of at most `step` that end at every wanted time.
-    ///
-    /// # Errors
-    /// A step that is not positive and finite.
-    pub fn new(step: f64, max_steps: u64) -> Result<LagrangeMap, Error> {
-        Splitting::new(2, step, max_steps).map(|_| LagrangeMap { step, max_steps })
-    }
-
-    /// Whether the top is one that this is made for.
-    pub fn applies_to(top: &Top) -> bool {
-        DiscreteLagrange::applies_to(top)
-    }
-}
-
-impl Method<Top> for LagrangeMap {
-    /// # Panics
-    /// The top is not one that [`LagrangeMap::applies_to`].
-    fn block<'f, V: Wide>(&self, field: &'f Top, n_tangents: usize) -> Box<dyn Block + 'f> {
-        assert!(LagrangeMap::applies_to(field), "a Lagrange top: I1 = I2, a and b along the third axis");
-        let composition = Splitting { order: 2, step: self.step, max_steps: self.max_steps };
-        Box::new(SplittingBlock::<_, V>::new(DiscreteLagrange(*field), composition, n_tangents))
-    }
-
-    fn registers(&self, field: &Top, n_tangents: usize) -> usize {
-        registers(field.n_components(), n_tangents)
-    }
-
-    fn max_steps(&self) -> u64 {
-        self.max_steps
-    }
-}
-
 /// Trajectories with their tangent vectors.
-struct SplittingBlock<F, V> {
+pub(super) struct SplittingBlock<F, V> {
     field: F,
     scheme: Scheme,
     step: f64,
@@ -166,7 +118,7 @@ struct SplittingBlock<F, V> {
 
 impl<F: Split, V: Lane> SplittingBlock<F, V> {
     #[inline(always)]
-    fn new(field: F, method: Splitting, n_tangents: usize) -> Self {
+    pub(super) fn new(field: F, method: Splitting, n_tangents: usize) -> Self {
         let groups = vec![V::splat(0.0); field.n_components() * (1 + n_tangents)];
         let scheme = Scheme::of_order(method.order);
         SplittingBlock { field, scheme, step: method.step, before: groups.clone(), groups }

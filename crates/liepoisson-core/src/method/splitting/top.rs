@@ -75,11 +75,11 @@ impl Kinetic for General {
 
 /// A top `I1 = I2` with `a` and `b` along the third axis, in discrete time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DiscreteLagrange(pub(super) Top);
+pub(in crate::method) struct DiscreteLagrange(pub(in crate::method) Top);
 
 impl DiscreteLagrange {
     /// Whether this is such a top.
-    pub(super) fn applies_to(top: &Top) -> bool {
+    pub(in crate::method) fn applies_to(top: &Top) -> bool {
         top.asymmetry[2] == 0.0 && [top.a, top.b].iter().all(|v| v[0] == 0.0 && v[1] == 0.0)
     }
 }

@@ -1,0 +1,144 @@
+r"""Coordinates on circles: which coordinates are angles, and whether a function is one on the circle.
+
+A function of a coordinate $\theta$ of period $P$ is one on the circle if $f(\theta + P) = f(\theta)$.  That is proved
+where the difference vanishes once it is multiplied out, as for trigonometric polynomials; else it is tried at 10
+random points in 50 digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from math import gcd, lcm
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.errors import BracketError, ParameterError, ShapeError, did_you_mean
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.given import listed_names
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+_DIGITS = 50
+_ROUND_OFF = 10.0**-30
+"""A difference below this part of the values counts as zero: 20 of 50 digits may be lost."""
+
+
+def read_angles(given: Sequence[str] | None, names: Sequence[str]) -> tuple[str, ...]:
+    """The coordinates that are angles, in the order of the coordinates.
+
+    Raises:
+        ShapeError: not a sequence of names.
+        BracketError: a name is that of no coordinate, or is given twice.
+    """
+    items = [] if given is None else listed_names(given, "angles")
+    if items is None or not all(isinstance(item, str) for item in items):
+        raise ShapeError(f'angles must be a sequence of names; got {given!r:.60}. Write for example ["theta"].')
+    for name in items:
+        if name not in names:
+            shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+            hint = did_you_mean(name, names).strip() or "Write one of these."
+            raise BracketError(f"angles must name coordinates; got {name!r:.60}. Known are {shown}. {hint}")
+    if len({*items}) < len(items):
+        raise BracketError(f"each angle must be named once; got {list(items)!s:.60}. Remove one.")
+    return tuple(name for name in names if name in items)
+
+
+def turn() -> Expr:
+    r"""The period of an angle, $2\pi$."""
+    from sympy import pi
+
+    return 2 * pi
+
+
+def change(function: Expr, coordinate: Expr, period: Expr) -> Expr:
+    r"""The change $f(\theta + P) - f(\theta)$, multiplied out; 0 where it is found to vanish."""
+    from sympy import S, expand
+
+    checkpoint("whether a function is one on the circle")
+    if coordinate not in function.free_symbols:
+        return S.Zero
+    moved: Any = function.subs(coordinate, coordinate + period)
+    found: Any = expand(moved) - expand(function)
+    return S.Zero if found == 0 or _vanishes_at_points(found, function) else found
+
+
+def _vanishes_at_points(found: Any, function: Any) -> bool:
+    """Whether a difference is round-off, beside the values of a function, at random points where it has a value."""
+    from sympy import Rational
+
+    from liepoisson.structure.poisson.poisson_tensor import SEEDS
+    from liepoisson.structure.poisson.tensor_entries import N_POINTS
+
+    symbols, random = sorted(found.free_symbols | function.free_symbols, key=str), Random(SEEDS[0])
+    n_values = 0
+    for _ in range(N_POINTS):
+        point = {symbol: Rational(random.randint(1, 1 << 30), 1 << 29) for symbol in symbols}
+        value, size = (complex(one.evalf(_DIGITS, subs=point)) for one in (found, function))
+        if not abs(value) < float("inf"):  # a pole, or a number beyond all doubles
+            continue
+        n_values += 1
+        if abs(value) > _ROUND_OFF * max(1.0, abs(size)):
+            return False
+    return n_values > 0
+
+
+def check_on_circles(
+    functions: Iterable[tuple[str, Expr]], periods: Mapping[str, tuple[Expr, Expr]], hint: str
+) -> None:
+    """Refuse functions that are not periodic in coordinates on circles.
+
+    Args:
+        functions: Each with what it is, at the beginning of a message.
+        periods: The symbol and the period of each such coordinate, by name.
+        hint: What else may be done, at the end of a message, with {name} for the coordinate.
+
+    Raises:
+        ParameterError: one is not; the message has the difference after a period.
+    """
+    for what, function in functions:
+        for name, (symbol, period) in periods.items():
+            if (found := change(function, symbol, period)) != 0:
+                raise ParameterError(
+                    f"{what} must have the period {period} in {name}; got {function!s:.80}, which changes by "
+                    f"{found!s:.80} when {name} grows by {period}. {hint.format(name=name)}"
+                )
+
+
+def modulus(function: Expr, periods: Mapping[str, tuple[Expr, Expr]], variables: Collection[Expr]) -> Expr | None:
+    r"""The number modulo which a function is one on the circles: $2\pi$ for $\theta - 1/2$ or $\theta_1 - 2\theta_2$.
+
+    It changes by a multiple of it whenever a coordinate grows by its period; None where it does not change.
+
+    Args:
+        function: The function.
+        periods: The symbol and the period of each coordinate on a circle, by name.
+        variables: All coordinates.
+
+    Raises:
+        ParameterError: a change is no constant, or two changes have no common measure.
+    """
+    from sympy import Abs, Rational, nsimplify, simplify
+
+    found: list[Any] = []
+    for name, (symbol, period) in periods.items():
+        moved: Any = change(function, symbol, period)
+        if moved.free_symbols & {*variables}:
+            moved = simplify(moved)
+        if moved.free_symbols & {*variables}:
+            raise ParameterError(
+                f"wanted a function on the circle of {name}, or one that a turn changes by a constant, such as "
+                f"{name} - 1/2; got {function!s:.60}, which changes by {moved!s:.60}. Write it by sin({name}) and "
+                f"cos({name})."
+            )
+        if moved != 0:
+            found.append(Abs(moved))
+    if not found:
+        return None
+    ratios = [nsimplify(simplify(one / found[0])) for one in found]
+    if not all(ratio.is_Rational for ratio in ratios):
+        raise ParameterError(
+            f"wanted a function on circles modulo one number; got {function!s:.60}, which changes by "
+            f"{', '.join(map(str, found))} after turns, of which no number is a common measure."
+        )
+    return found[0] * Rational(gcd(*(int(ratio.p) for ratio in ratios)), lcm(*(int(ratio.q) for ratio in ratios)))
