@@ -287,8 +287,17 @@ def test_there_is_no_rank_where_an_entry_is_no_real_number(entry, point):
 def test_values_must_leave_the_entries_and_casimirs_real():
     bracket = tensor("x y z", {("x", "y"): "sqrt(a)*x*y"}, symbols=["a", "b"], casimirs=["z/b"])
     assert bracket.substitute({"a": 4}).poisson_tensor()[0, 1] == 2 * sp.prod(bracket.variables[:2])
-    with pytest.raises(ParameterError, match="finite and real"):
-        bracket.substitute({"a": -1})
+    for values in ({"a": -1}, {"b": 0}):
+        with pytest.raises(ParameterError, match="finite and real"):
+            bracket.substitute(values)
+
+
+def test_a_parameter_of_a_casimir_alone_takes_a_value():
+    bracket = tensor("x y z", {("x", "y"): "1"}, symbols=["a"], casimirs=["a*z"])
+    assert bracket.symbols == {"a"}
+    system = lp.System(bracket, "x^2 + y^2", {"a": 3})
+    assert system.invariants["C1"] == 3 * sp.Symbol("z")
+    assert max(lp.integrate(system, [1, 1, 1], t_end=1).drift["C1"]) == 0
 
 
 @pytest.mark.parametrize(

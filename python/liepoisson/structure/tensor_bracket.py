@@ -166,8 +166,9 @@ class PoissonTensor(Bracket):
 
     @property
     def symbols(self) -> set[str]:
-        """Names of the parameters kept symbolic."""
-        own = {str(s) for entry in self.formulas.entries.values() for s in entry.free_symbols}
+        """Names of the parameters kept symbolic, in the entries and the given Casimirs."""
+        functions = [*self.formulas.entries.values(), *self.given_casimirs]
+        own = {str(s) for function in functions for s in function.free_symbols}
         return own.difference(self.coordinate_names_in_order)
 
     def entries(self) -> tuple[tuple[int, int, int, Exact], ...]:
@@ -221,9 +222,7 @@ class PoissonTensor(Bracket):
         names = read_variables(field_names)
         if len(names) != self.dimension:
             raise ShapeError(f"wanted {self.dimension} names, one per coordinate; got {len(names)}. Name all of them.")
-        functions = [*self.formulas.entries.values(), *self.given_casimirs]
-        parameters = {str(s) for f in functions for s in f.free_symbols}.difference(self.coordinate_names_in_order)
-        check_distinct(names, parameters)
+        check_distinct(names, self.symbols)
         known: Any = dict(zip(self.variables, map(Symbol, names), strict=True))
         made = self._mapped(names, lambda f: f.xreplace(known))
         made.angles = tuple(str(known[x]) for x in self.variables if str(x) in self.angles)
