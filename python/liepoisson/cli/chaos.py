@@ -51,7 +51,8 @@ if TYPE_CHECKING:
     from liepoisson.indicators.verdict import Verdict
     from liepoisson.model.system import System
     from liepoisson.model.vector_field import VectorField
-    from liepoisson.numeric.methods import Auto, Method
+    from liepoisson.numeric.method.method import Method
+    from liepoisson.numeric.methods import Auto
 
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
 _TIME = 1000.0

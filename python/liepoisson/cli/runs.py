@@ -16,8 +16,9 @@ from liepoisson.cli.output import write_figure, write_result
 from liepoisson.cli.progress import listening
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
-from liepoisson.numeric.method.method import precisions
-from liepoisson.numeric.methods import CHOICES, Auto, Method, Taylor
+from liepoisson.numeric.method.method import Method, precisions
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import CHOICES, Auto
 
 if TYPE_CHECKING:
     from pathlib import Path

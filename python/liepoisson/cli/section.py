@@ -27,7 +27,9 @@ from liepoisson.cli.runs import (
 from liepoisson.cli.starts import PlainStart, leaf_lines, start_lines, start_of
 from liepoisson.cli.systems import read_numeric_equations
 from liepoisson.errors import ParameterError, SurfaceWarning
-from liepoisson.numeric.methods import Auto, Method, RungeKutta
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.runge_kutta import RungeKutta
+from liepoisson.numeric.methods import Auto
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -34,7 +34,8 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.systems import HasFunctions, has_functions, known_constants
 from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.portable import linear

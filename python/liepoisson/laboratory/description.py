@@ -14,7 +14,7 @@ from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import Orbit
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.systems import (
     as_field,
     component_names,

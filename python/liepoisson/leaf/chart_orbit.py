@@ -16,7 +16,9 @@ from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import Result, labelled, names_along, part
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import as_method
 from liepoisson.numeric.run import KeepsInvariants
 from liepoisson.numeric.systems import TOP_COMPONENTS
 from liepoisson.portable import linear

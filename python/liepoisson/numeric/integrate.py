@@ -17,7 +17,8 @@ from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, pieces
-from liepoisson.numeric.methods import MethodChoice, Taylor
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import IntegratedRun, KeepsInvariants, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values

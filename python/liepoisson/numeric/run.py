@@ -14,7 +14,8 @@ from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array, read_only
 from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import Result, labelled, names_along, recorded
-from liepoisson.numeric.methods import Method, method_of, method_record
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.methods import method_of, method_record
 from liepoisson.numeric.systems import HasField, has_invariants
 
 

@@ -15,7 +15,9 @@ from liepoisson.compile.field import Field
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_threads, as_time_limit
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import LEAST, Deadline, seconds_left
-from liepoisson.numeric.methods import Method, MethodChoice, Taylor, as_method, field_for
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import MethodChoice, as_method, field_for
 from liepoisson.numeric.systems import HasField, as_field, component_names
 
 ENSEMBLE_METHOD = Taylor(tol=1e-13)

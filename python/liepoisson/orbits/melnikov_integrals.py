@@ -35,7 +35,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import are_equal, as_system
 from liepoisson.model.system_text import formula_text
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_states, given_starts
 from liepoisson.numeric.systems import HasField, component_names

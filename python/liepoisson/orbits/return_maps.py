@@ -34,7 +34,9 @@ from liepoisson.inputs.refusals import counted
 from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
-from liepoisson.numeric.methods import Method, MethodChoice, Taylor, as_method
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import MethodChoice, as_method
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closed_orbits import CLOSES, PeriodicOrbit, problem_at
 from liepoisson.orbits.guesses import shortest

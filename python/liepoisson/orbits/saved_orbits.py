@@ -27,7 +27,9 @@ from liepoisson.model.free_parameter import FreeParameter, values_of
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.model.system import System
 from liepoisson.model.system_text import formula_text
-from liepoisson.numeric.methods import METHODS, Method, Taylor, method_of, method_record
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import METHODS, method_of, method_record
 
 T = TypeVar("T")
 

@@ -26,8 +26,9 @@ from liepoisson.formula.scalars import MOST, TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_memory
 from liepoisson.inputs.deadline import checkpoint, seconds_left
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.method.method import MAX_STEPS
-from liepoisson.numeric.methods import Method, Taylor, field_for
+from liepoisson.numeric.method.method import MAX_STEPS, Method
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.systems import as_field, core_field, without_value
 from liepoisson.portable import linear
 

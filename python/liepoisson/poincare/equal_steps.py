@@ -18,7 +18,8 @@ from liepoisson.compile.tape_values import values_of_tape
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.systems import HasField
 from liepoisson.portable import elementary

@@ -15,7 +15,8 @@ from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import MethodChoice, Taylor
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts

@@ -18,7 +18,8 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, names_along, recorded
-from liepoisson.numeric.methods import MethodChoice, Taylor
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts

@@ -17,7 +17,7 @@ from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.model.equations_of_motion import EquationsOfMotion, HasExpression
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.sampling import sample_states
 from liepoisson.numeric.systems import has_bracket, reads_formulas
 

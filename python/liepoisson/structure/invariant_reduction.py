@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.algebra.ideals.components import irreducible_factors
@@ -82,7 +82,7 @@ def _closed(
         return tensor_of(tuple(functions), dict(_entries(bracket, functions, ring))), ring
     except JacobiError as error:
         if before is None and ring.relations():
-            return _closed(bracket, functions, dict(reversed(everything.items())), error)
+            return _closed(bracket, functions, dict(reversed(list(everything.items()))), error)
         relations = ", ".join(f"{relation} = 0" for relation in ring.relations())
         raise BracketError(
             f"the brackets of the invariants obey the Jacobi identity only where {relations or 'they are invariants'}; "
@@ -217,8 +217,8 @@ class _Ring:
     def _written(self, p: Any) -> Any:
         from sympy import Add, Mul, Rational, Symbol
 
-        by_place = [
-            Symbol(self.kept[name]) if name in self.kept else 1 / self.inverses[name][1]
+        by_place: list[Any] = [
+            Symbol(self.kept[name]) if name in self.kept else 1 / cast("Any", self.inverses[name][1])
             if name in self.inverses and self.inverses[name][1] is not None else None
             for name in self.basis.names
         ]  # fmt: skip

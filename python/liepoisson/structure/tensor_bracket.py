@@ -572,7 +572,7 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
         )
     if expression.has(Derivative, Order, Subs):
         raise ParameterError(f"{what}: wanted a formula that is written out; got {expression!s:.60}. Try .doit().")
-    values = flattened(scope.values)
+    values: Any = flattened(scope.values)
     expression = with_exact_numbers(read_expression_in(expression, scope.scalars, known - {*scope.scalars}, values))
     plain: Any = {s: Symbol(str(s)) for s in expression.free_symbols}
     function = to_sympy(substituted(cast("Expr", expression.xreplace(plain)), values))

@@ -28,7 +28,8 @@ from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
 from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.system_file_reader import read_equations
-from liepoisson.numeric.methods import MethodChoice, Taylor, as_choice, choice_of, method_record
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import MethodChoice, as_choice, choice_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
 from liepoisson.portable import elementary
 from liepoisson.sweeps.identity import function_record, system_record, system_tables

@@ -43,7 +43,8 @@ from typing import Any, cast
 from liepoisson.formula.toml_text import TomlReader, TomlText, read_toml
 from liepoisson.indicators.verdict import Rule
 from liepoisson.inputs.refusals import shown
-from liepoisson.numeric.methods import CHOICES, Auto, Method
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.methods import CHOICES, Auto
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec, refinement_of, starts_of
 
 _KEYS = (

@@ -20,7 +20,9 @@ from liepoisson.indicators.finite_time_exponents import exponents_of_many, finit
 from liepoisson.indicators.verdict import decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
-from liepoisson.numeric.methods import Auto, Method, Taylor, as_choice, as_method
+from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.taylor import Taylor
+from liepoisson.numeric.methods import Auto, as_choice, as_method
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.sweeps.family import Family, NumericTop

@@ -38,7 +38,7 @@ from liepoisson.leaf.leaf_in_units import equations_in_units
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:

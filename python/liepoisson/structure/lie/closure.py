@@ -240,7 +240,8 @@ def _polynomials(given: object, bracket: Bracket) -> tuple[list[dict[Any, Any]],
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.poisson.casimir_check import read_phase_function
 
-    if not isinstance(bracket, Bracket):
+    given_bracket: Any = bracket
+    if not isinstance(given_bracket, Bracket):
         raise not_a("a Poisson bracket", bracket, "bracket", "leave it out for matrices, or try canonical(1)")
     if not isinstance(bracket.formulas.degree, int):
         raise ParameterError(f"bracket: wanted one whose entries are polynomials; got {bracket!r}; give such a bracket")

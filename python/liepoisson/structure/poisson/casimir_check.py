@@ -164,7 +164,9 @@ def _tried(bracket: Bracket, function: Expr, rows: Sequence[tuple[int, list[tupl
     tried = 0
     for point in _points([*bracket.variables, *symbols]):
         checkpoint("values of the brackets of a function")
-        values = [(i, terms, [term.xreplace(point).evalf(_DIGITS) for term in terms]) for i, terms in products]
+        values: list[tuple[int, list[Any], list[Any]]] = [
+            (i, terms, [term.xreplace(point).evalf(_DIGITS) for term in terms]) for i, terms in products
+        ]
         if not all(value.is_finite for *_, row in values for value in row):
             continue
         tried += 1

@@ -344,7 +344,7 @@ def _vanishes_with_roots(products: Iterable[tuple[Expr, Expr]]) -> bool:
     roots: dict[Any, Any] = {}
     factors = [tuple(_with_named_roots(factor, roots) for factor in product) for product in products]
     field = Coefficients.containing([*roots, *roots.values(), *(one for pair in factors for one in pair)])
-    total = sum((field.read(a) * field.read(b) for a, b in factors), field.zero)
+    total: Any = sum((field.read(a) * field.read(b) for a, b in factors), field.zero)
     if not total:
         return True
     names = [*map(str, field.parameters)]
