@@ -1,449 +1,306 @@
-//! Products of power series, several at a time and two orders at once: nearly all of the work of a quadratic field.
+//! Products of power series, several at a time: tiles of products whose sums stay in registers.
 //!
-//! Coefficient `m` of a product is the sum over `j` of `l_j r_(m-j)`, and along a tangent vector that of `l_j dr_(m-j) + dl_j r_(m-j)`;
-//! where both factors are the same, terms `j` and `m - j` are equal and are formed once. The terms of orders `k` and `k + 1` that need
-//! no coefficient of order `k` are summed together, so that each coefficient that is loaded serves both orders, and products that share
-//! a factor share what is loaded of it. The terms left out are few and are added when each order is completed.
-//!
-//! The order of summation of a product depends neither on what else is formed with it nor on the tangent vectors.
+//! Coefficient `k` of the product `x_i x_j` of two components is `sum over s of x_i[s] x_j[k - s]`, and along a tangent
+//! vector `d` it is `sum over s of (x_i[s] dx_j[k - s] + dx_i[s] x_j[k - s])`. A [`Tile`] forms several products that
+//! share factors, so that a coefficient, once loaded, enters several sums: on AVX-512 processors about 1.3 registers can
+//! be loaded a cycle beside two multiply-adds (measured), which makes the loads the bottleneck of small tiles.
 
-use super::is_second;
 use crate::lanes::Lane;
-use std::cmp::Reverse;
-use std::collections::BTreeSet;
 
-/// Most products that are formed together: with 32 registers three sums of two orders each.
-pub(super) const MOST_ROWS: usize = 4;
+/// Most products in a tile.
+pub(super) const MOST_PRODUCTS: usize = 12;
+const MOST_COLUMNS: usize = 3;
+const MOST_ROWS: usize = 6;
 
-/// Products of some components, the rows, with another one, the column; or the square of one.
-#[derive(Clone, Debug)]
-pub(super) struct Panel {
-    column: usize,
-    rows: Vec<usize>,
-    /// The number of its first product.
-    first: usize,
-}
-
-/// Panels of some products (pairs of components, the smaller one first), each of which is in one of them. The component with most
-/// products that are left is the next column; of several that are equal the first is taken.
-pub(super) fn panels(n_components: usize, products: &[[usize; 2]]) -> Vec<Panel> {
-    let mut partners = vec![vec![]; n_components];
-    for &[i, j] in products.iter().filter(|[i, j]| i != j) {
-        partners[i].push(j);
-        partners[j].push(i);
-    }
-    let (mut panels, mut first) = (vec![], 0);
-    let mut add = |column, rows: &[usize]| {
-        panels.push(Panel { column, rows: rows.to_vec(), first });
-        first += rows.len();
-    };
-    products.iter().filter(|[i, j]| i == j).for_each(|&[i, _]| add(i, &[i]));
-    let mut by_degree: BTreeSet<(Reverse<usize>, usize)> = partners
-        .iter()
-        .enumerate()
-        .filter(|(_, others)| !others.is_empty())
-        .map(|(i, o)| (Reverse(o.len()), i))
-        .collect();
-    while let Some((_, column)) = by_degree.pop_first() {
-        let rows = std::mem::take(&mut partners[column]);
-        for &row in &rows {
-            by_degree.remove(&(Reverse(partners[row].len()), row));
-            partners[row].retain(|&other| other != column);
-            by_degree.insert((Reverse(partners[row].len()), row));
+/// Number, columns, shared rows and single rows of every shape with a kernel.
+macro_rules! with_shapes {
+    ($then:ident) => {
+        $then! {
+            0: 1 0 1, 1: 1 0 2, 2: 1 0 4, 3: 1 0 6,
+            4: 2 1 2, 5: 2 2 0, 6: 2 2 2, 7: 2 3 0, 8: 2 3 3, 9: 2 4 0, 10: 2 6 0,
+            11: 3 3 0, 12: 3 4 0,
         }
-        rows.chunks(MOST_ROWS).for_each(|rows| add(column, rows));
+    };
+}
+
+macro_rules! array_of_shapes {
+    ($($index:literal: $columns:literal $shared:literal $single:literal,)*) => {
+        [$(Shape { columns: $columns, shared: $shared, single: $single },)*]
+    };
+}
+
+/// The shapes with a kernel.
+pub(super) const SHAPES: [Shape; 13] = with_shapes!(array_of_shapes);
+
+/// The outline of a tile: `shared` rows, each multiplied with every one of `columns`, then `single` rows, multiplied
+/// with the first column alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    pub columns: usize,
+    pub shared: usize,
+    pub single: usize,
+}
+
+impl Shape {
+    pub const fn n_rows(self) -> usize {
+        self.shared + self.single
     }
-    panels
+
+    pub const fn n_products(self) -> usize {
+        self.columns * self.shared + self.single
+    }
+
+    /// Cycles for one term of all its sums, for the state and one tangent vector on AVX-512: two multiply-adds (measured
+    /// 1.3 loads) a cycle, eight cycles of latency for the two that a sum of the tangent vector takes, and its share of
+    /// what a tile costs once per order. It ranks shapes; nothing depends on it otherwise.
+    pub fn cost(self) -> f64 {
+        let arithmetic = 1.5 * self.n_products() as f64;
+        let loads = 2.0 * (self.columns + self.n_rows()) as f64 / 1.3;
+        arithmetic.max(loads).max(8.0) + 3.5
+    }
 }
 
-/// The coefficients up to order `k`: one row of registers for each order, with `group` registers for the state and then for every
-/// tangent vector.
-#[derive(Clone, Copy)]
-pub(super) struct Known<'r, V> {
-    rows: &'r [V],
-    row: usize,
-    group: usize,
-    n_tangents: usize,
-    n_products: usize,
-    k: usize,
-    is_second: bool,
-    /// Orders 0, 1, `k - 1`, `k` and half of it, as far as they are there.
-    ends: [Reader<V>; 5],
+/// Products of components, by index: `rows[p] columns[q]` in the order that [`Tile::products`] gives.
+///
+/// The factor from `rows` is read from order 0 upwards, the one from `columns` from order `k` downwards: the order of
+/// summation of a product does not depend on the tile that it is in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tile {
+    /// Position in [`SHAPES`].
+    shape: usize,
+    columns: [usize; MOST_COLUMNS],
+    rows: [usize; MOST_ROWS],
+    /// All indices are below this.
+    n_components: usize,
 }
 
-/// Sums of a product for orders `k` and `k + 1`: of the state, of `l dr`, and of `dl r`.
-#[derive(Clone, Copy)]
-struct Sums<V> {
-    state: [V; 2],
-    right: [V; 2],
-    left: [V; 2],
-}
-
-impl<'r, V: Lane> Known<'r, V> {
-    /// The first `k + 1` rows of a series of `n_orders`, of a field with so many components and products.
+impl Tile {
+    /// The tile with these factors.
     ///
     /// # Panics
-    /// The rows are not there.
+    /// There is no kernel of that shape, or an index is not below `n_components`.
+    pub fn new(columns: &[usize], rows: &[usize], shared: usize, n_components: usize) -> Tile {
+        let wanted = Shape { columns: columns.len(), shared, single: rows.len() - shared };
+        let shape =
+            SHAPES.iter().position(|&shape| shape == wanted).expect("a tile has one of the shapes with a kernel");
+        assert!(columns.iter().chain(rows).all(|&i| i < n_components), "a tile multiplies components");
+        let mut tile = Tile { shape, columns: [0; MOST_COLUMNS], rows: [0; MOST_ROWS], n_components };
+        tile.columns[..columns.len()].copy_from_slice(columns);
+        tile.rows[..rows.len()].copy_from_slice(rows);
+        tile
+    }
+
     #[inline(always)]
-    pub(super) fn new(
-        rows: &'r [V],
-        (group, n_products): (usize, usize),
-        n_tangents: usize,
-        (k, n_orders): (usize, usize),
-    ) -> Self {
-        let row = group * (1 + n_tangents);
-        assert!(rows.len() == row * (k + 1) && k < n_orders);
-        let mut ends = [Reader(rows.as_ptr()); 5];
-        for (end, order) in ends.iter_mut().zip([0, k.min(1), k.saturating_sub(1), k, k / 2]) {
-            assert!(order <= k);
-            // moved, since a pointer to a part of the rows may not be used outside of that part
-            end.0 = rows.as_ptr().wrapping_add(order * row);
+    fn first_columns<const Q: usize>(&self) -> [usize; Q] {
+        *self.columns.first_chunk().expect("no shape has more columns")
+    }
+
+    pub fn shape(&self) -> Shape {
+        SHAPES[self.shape]
+    }
+
+    /// The two factors of each product, row first.
+    pub fn products(&self) -> Vec<[usize; 2]> {
+        let Shape { columns, shared, .. } = self.shape();
+        let (both, single) = self.rows[..self.shape().n_rows()].split_at(shared);
+        let shared = both.iter().flat_map(|&row| self.columns[..columns].iter().map(move |&column| [row, column]));
+        shared.chain(single.iter().map(|&row| [row, self.columns[0]])).collect()
+    }
+
+    /// Runs `kernel` with the shape of this tile as constants.
+    #[inline(always)]
+    pub fn run(&self, kernel: impl Kernel) {
+        macro_rules! call {
+            ($($index:literal: $columns:literal $shared:literal $single:literal,)*) => {
+                match self.shape {
+                    $($index => kernel.run::<$columns, $shared, $single>(self),)*
+                    _ => unreachable!("a tile has one of the shapes with a kernel"),
+                }
+            };
         }
-        Known { rows, row, group, n_tangents, n_products, k, is_second: is_second(k, n_orders), ends }
+        with_shapes!(call)
+    }
+}
+
+/// What is done with a tile: `Q` columns, `S` rows shared by all of them, `A` rows of the first column alone.
+pub(super) trait Kernel {
+    fn run<const Q: usize, const S: usize, const A: usize>(self, tile: &Tile);
+}
+
+/// The sums of one tile, for the state or for one tangent vector.
+#[derive(Clone, Copy)]
+pub(super) struct Sums<V, const Q: usize, const S: usize, const A: usize> {
+    pub shared: [[V; Q]; S],
+    pub single: [V; A],
+}
+
+impl<V: Lane, const Q: usize, const S: usize, const A: usize> Sums<V, Q, S, A> {
+    #[inline(always)]
+    fn zero() -> Self {
+        let zero = V::splat(0.0);
+        Sums { shared: [[zero; Q]; S], single: [zero; A] }
     }
 
-    /// Where the coefficient of this order of a product is put.
+    /// The sums in the order of [`Tile::products`].
     #[inline(always)]
-    fn value(&self, group: usize, product: usize) -> usize {
-        group * self.n_products + product
-    }
-
-    /// Where its sum for the next order is kept.
-    #[inline(always)]
-    fn next(&self, group: usize, product: usize) -> usize {
-        (1 + self.n_tangents + group) * self.n_products + product
-    }
-
-    /// Component `i` of group `g` at an order.
-    #[inline(always)]
-    fn at(&self, order: usize, g: usize, i: usize) -> V {
-        self.rows[order * self.row + g * self.group + i]
-    }
-
-    /// Sums of `l_j r_(m-j)` for `m = k` from `j = 1` and for `m = k + 1` from `j = 2`, up to `last`, of which the second is the first or
-    /// one more; of the state, and along tangent vector `t`.
-    #[inline(always)]
-    fn sums<const R: usize, const STATE: bool, const TANGENT: bool>(
-        &self,
-        rows: &[usize; R],
-        column: usize,
-        t: usize,
-        last: [usize; 2],
-    ) -> [Sums<V>; R] {
-        let (k, zero) = (self.k, [V::splat(0.0); 2]);
-        assert!(t <= self.n_tangents && last[0] < k);
-        let mut sums = [Sums { state: zero, right: zero, left: zero }; R];
-        if last[0] >= 1 {
-            for r in 0..R {
-                let x = self.at(1, 0, rows[r]);
-                if STATE {
-                    sums[r].state[0] = x.mul(self.at(k - 1, 0, column));
-                }
-                if TANGENT {
-                    sums[r].right[0] = x.mul(self.at(k - 1, t, column));
-                    sums[r].left[0] = self.at(1, t, rows[r]).mul(self.at(k - 1, 0, column));
-                }
+    pub fn in_order(&self) -> [V; MOST_PRODUCTS] {
+        let mut sums = [V::splat(0.0); MOST_PRODUCTS];
+        for p in 0..S {
+            for q in 0..Q {
+                sums[p * Q + q] = self.shared[p][q];
             }
         }
-        let n = last[0].saturating_sub(1); // terms from j = 2 that both orders have
-        // a loop over nothing is recorded, too, so that the first orders share the code of the others
-        if V::IS_RECORDED && k > 2 {
-            self.record::<R, TANGENT>(&mut sums, rows, column, t, n);
-        } else if n > 0 {
-            let d = t * self.group;
-            let (mut x, mut y) = (Reader(self.rows.as_ptr().wrapping_add(2 * self.row)), self.ends[2]);
-            // SAFETY: see `Reader`.
-            let [mut before, mut d_before] = unsafe { [y.at(column), y.at(d + column)] };
-            for _ in 0..n {
-                y.back(self.row);
-                // SAFETY: see `Reader`.
-                let [v, dv] = unsafe { [y.at(column), y.at(d + column)] };
-                for r in 0..R {
-                    let sum = &mut sums[r];
-                    // SAFETY: see `Reader`.
-                    let [u, du] = unsafe { [x.at(rows[r]), x.at(d + rows[r])] };
-                    if STATE {
-                        sum.state = [u.mul_add(v, sum.state[0]), u.mul_add(before, sum.state[1])];
-                    }
-                    if TANGENT {
-                        sum.right = [u.mul_add(dv, sum.right[0]), u.mul_add(d_before, sum.right[1])];
-                        sum.left = [du.mul_add(v, sum.left[0]), du.mul_add(before, sum.left[1])];
-                    }
-                }
-                (before, d_before) = (v, dv);
-                x.forward(self.row);
-            }
-        }
-        if last[1] > last[0] && last[1] >= 2 {
-            let (j, i) = (last[1], k + 1 - last[1]);
-            for r in 0..R {
-                let (sum, x) = (&mut sums[r], self.at(j, 0, rows[r]));
-                if STATE {
-                    sum.state[1] = x.mul_add(self.at(i, 0, column), sum.state[1]);
-                }
-                if TANGENT {
-                    sum.right[1] = x.mul_add(self.at(i, t, column), sum.right[1]);
-                    sum.left[1] = self.at(j, t, rows[r]).mul_add(self.at(i, 0, column), sum.left[1]);
-                }
-            }
+        for p in 0..A {
+            sums[S * Q + p] = self.single[p];
         }
         sums
     }
 
-    /// Where code is recorded: the terms from `j = 2` on, as a loop.
-    fn record<const R: usize, const TANGENT: bool>(
-        &self,
-        sums: &mut [Sums<V>; R],
-        rows: &[usize; R],
-        column: usize,
-        t: usize,
-        n: usize,
-    ) {
-        let groups = if TANGENT { &[0, t][..] } else { &[0] };
-        let left: Vec<V> = rows.iter().flat_map(|&i| groups.iter().map(move |&g| self.at(2, g, i))).collect();
-        let right: Vec<V> = groups.iter().map(|&g| self.at(self.k - 1, g, column)).collect();
-        let nothing = [V::splat(0.0); 2]; // of the products of two tangent vectors, which nothing reads
-        let mut recorded: Vec<V> = sums
-            .iter()
-            .flat_map(
-                |sum| if TANGENT { [sum.state, sum.right, sum.left, nothing].concat() } else { sum.state.to_vec() },
-            )
-            .collect();
-        V::record_products(&mut recorded, &left, &right, self.row, n);
-        for (sum, recorded) in sums.iter_mut().zip(recorded.chunks(2 * groups.len() * groups.len())) {
-            let pair = |at: usize| [recorded[at], recorded[at + 1]];
-            sum.state = pair(0);
-            if TANGENT {
-                (sum.right, sum.left) = (pair(2), pair(4));
-            }
-        }
-    }
-}
-
-impl Panel {
-    /// The two factors of each product.
-    pub(super) fn products(&self) -> impl Iterator<Item = [usize; 2]> {
-        self.rows.iter().map(|&row| [row, self.column])
-    }
-
-    fn is_square(&self) -> bool {
-        self.rows[..] == [self.column]
-    }
-
-    /// Puts coefficient `k` of the products into the work registers, and keeps there what is formed for the next order.
+    /// `sum += row column` for one row and all its columns.
     #[inline(always)]
-    pub(super) fn extend<V: Lane>(&self, known: &Known<'_, V>, work: &mut [V]) {
-        // six sums and their factors fill 16 registers
-        let is_alone = known.n_tangents > 0 && V::REGISTERS < 32 && !V::IS_RECORDED;
-        let at_once = if is_alone { 1 } else { MOST_ROWS };
-        for (first, rows) in (self.first..).step_by(at_once).zip(self.rows.chunks(at_once)) {
-            match *rows {
-                [a] => self.extend_rows(known, [a], first, work),
-                [a, b] => self.extend_rows(known, [a, b], first, work),
-                [a, b, c] => self.extend_rows(known, [a, b, c], first, work),
-                [a, b, c, d] => self.extend_rows(known, [a, b, c, d], first, work),
-                _ => unreachable!("a panel has no more rows"),
+    fn add(&mut self, p: usize, row: V, columns: &[V; Q]) {
+        if p < S {
+            for q in 0..Q {
+                self.shared[p][q] = row.mul_add(columns[q], self.shared[p][q]);
             }
-        }
-    }
-
-    /// The same for these rows, which begin with product `first`.
-    #[inline(always)]
-    fn extend_rows<V: Lane, const R: usize>(
-        &self,
-        known: &Known<'_, V>,
-        rows: [usize; R],
-        first: usize,
-        work: &mut [V],
-    ) {
-        assert!(self.column < known.group);
-        for r in 0..R {
-            assert!(rows[r] < known.group);
-        }
-        if known.k > 1 && !known.is_second {
-            self.form(known, &rows, first, work);
-        }
-        for g in 0..=known.n_tangents {
-            let mut sums = [V::splat(0.0); R];
-            if known.k > 1 {
-                let from = if known.is_second { known.next(g, first) } else { known.value(g, first) };
-                sums.copy_from_slice(&work[from..from + R]);
-            }
-            match (self.is_square(), g) {
-                (true, 0) => complete_square(known, self.column, &mut sums[0]),
-                (true, t) => complete_square_along(known, self.column, t, &mut sums[0]),
-                (false, 0) => complete(known, &rows, self.column, &mut sums),
-                (false, t) => complete_along(known, &rows, self.column, t, &mut sums),
-            }
-            work[known.value(g, first)..][..R].copy_from_slice(&sums);
-        }
-    }
-
-    /// Sums for order `k` and the next.
-    #[inline(always)]
-    fn form<V: Lane, const R: usize>(&self, known: &Known<'_, V>, rows: &[usize; R], first: usize, work: &mut [V]) {
-        let k = known.k;
-        let last = if self.is_square() { [(k - 1) / 2, k / 2] } else { [k - 1; 2] };
-        if known.n_tangents == 0 {
-            let sums = known.sums::<R, true, false>(rows, self.column, 0, last);
-            for r in 0..R {
-                put(known, work, (0, first + r), sums[r].state);
-            }
-            return;
-        }
-        let sums = known.sums::<R, true, true>(rows, self.column, 1, last);
-        for r in 0..R {
-            put(known, work, (0, first + r), sums[r].state);
-            put(known, work, (1, first + r), sums[r].along());
-        }
-        for t in 2..=known.n_tangents {
-            let sums = known.sums::<R, false, true>(rows, self.column, t, last);
-            for r in 0..R {
-                put(known, work, (t, first + r), sums[r].along());
-            }
+        } else {
+            self.single[p - S] = row.mul_add(columns[0], self.single[p - S]);
         }
     }
 }
 
-#[inline(always)]
-fn put<V: Lane>(known: &Known<'_, V>, work: &mut [V], (group, product): (usize, usize), sums: [V; 2]) {
-    work[known.value(group, product)] = sums[0];
-    work[known.next(group, product)] = sums[1];
-}
-
-impl<V: Lane> Sums<V> {
-    /// Along the tangent vector.
-    #[inline(always)]
-    fn along(&self) -> [V; 2] {
-        [self.right[0].add(self.left[0]), self.right[1].add(self.left[1])]
-    }
-}
-
-// No closures in what follows: one that the compiler does not inline is compiled without the wide registers.
-
-/// Late terms and ends of the sums of products of some rows with a column.
-#[inline(always)]
-fn complete<V: Lane, const R: usize>(known: &Known<'_, V>, rows: &[usize; R], column: usize, sums: &mut [V; R]) {
-    let [start, first, before, last, _] = known.ends;
-    // SAFETY: see `Reader`.
-    unsafe {
-        let (r0, rk) = (start.at(column), last.at(column));
-        if known.is_second {
-            let (r1, rb) = (first.at(column), before.at(column));
-            for r in 0..R {
-                let (l1, lb) = (first.at(rows[r]), before.at(rows[r]));
-                sums[r] = lb.mul_add(r1, l1.mul_add(rb, sums[r]));
-            }
-        }
-        if known.k > 0 {
-            for r in 0..R {
-                sums[r] = last.at(rows[r]).mul_add(r0, sums[r]);
-            }
-        }
-        for r in 0..R {
-            sums[r] = start.at(rows[r]).mul_add(rk, sums[r]);
-        }
-    }
-}
-
-/// The same along tangent vector `t`; two sums for each product, so that one does not wait for the other.
-#[inline(always)]
-fn complete_along<V: Lane, const R: usize>(
-    known: &Known<'_, V>,
-    rows: &[usize; R],
-    column: usize,
-    t: usize,
-    sums: &mut [V; R],
-) {
-    let ([start, first, before, last, _], d) = (known.ends, t * known.group);
-    let mut others = [V::splat(0.0); R];
-    // SAFETY: see `Reader`.
-    unsafe {
-        let (r0, rk) = (start.at(column), last.at(column));
-        let (dr0, drk) = (start.at(d + column), last.at(d + column));
-        for r in 0..R {
-            others[r] = start.at(d + rows[r]).mul(rk);
-        }
-        if known.is_second {
-            let (r1, rb) = (first.at(column), before.at(column));
-            let (dr1, drb) = (first.at(d + column), before.at(d + column));
-            for r in 0..R {
-                let (l1, lb) = (first.at(rows[r]), before.at(rows[r]));
-                let (dl1, dlb) = (first.at(d + rows[r]), before.at(d + rows[r]));
-                sums[r] = lb.mul_add(dr1, l1.mul_add(drb, sums[r]));
-                others[r] = dlb.mul_add(r1, dl1.mul_add(rb, others[r]));
-            }
-        }
-        if known.k > 0 {
-            for r in 0..R {
-                sums[r] = last.at(rows[r]).mul_add(dr0, sums[r]);
-                others[r] = last.at(d + rows[r]).mul_add(r0, others[r]);
-            }
-        }
-        for r in 0..R {
-            sums[r] = start.at(rows[r]).mul_add(drk, sums[r]).add(others[r]);
-        }
-    }
-}
-
-/// Twice the sum of half of the terms of a square, and the middle one.
-#[inline(always)]
-fn complete_square<V: Lane>(known: &Known<'_, V>, i: usize, sum: &mut V) {
-    let [start, first, before, last, middle] = known.ends;
-    let mut half = *sum;
-    // SAFETY: see `Reader`.
-    unsafe {
-        if known.is_second {
-            half = first.at(i).mul_add(before.at(i), half);
-        }
-        if known.k > 0 {
-            half = start.at(i).mul_add(last.at(i), half);
-        }
-        *sum = half.add(half);
-        if known.k.is_multiple_of(2) {
-            let middle = middle.at(i);
-            *sum = middle.mul_add(middle, *sum);
-        }
-    }
-}
-
-/// Twice the sum of all terms `x_j dx_(k-j)`.
-#[inline(always)]
-fn complete_square_along<V: Lane>(known: &Known<'_, V>, i: usize, t: usize, sum: &mut V) {
-    let ([start, first, before, last, middle], di) = (known.ends, i + t * known.group);
-    // SAFETY: see `Reader`.
-    unsafe {
-        if known.is_second {
-            *sum = first.at(di).mul_add(before.at(i), first.at(i).mul_add(before.at(di), *sum));
-        }
-        if known.k > 0 {
-            *sum = start.at(di).mul_add(last.at(i), start.at(i).mul_add(last.at(di), *sum));
-        }
-        if known.k.is_multiple_of(2) {
-            *sum = middle.at(i).mul_add(middle.at(di), *sum);
-        }
-    }
-    *sum = sum.add(*sum);
-}
-
-/// One row of coefficients.
-///
-/// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because [`Panel::extend_rows`]
-/// compares all indices with the length of a group, tangent vectors are counted up to their number, and readers are at orders up to `k`
-/// of the rows that [`Known::new`] has found to be there: [`Known::sums`] moves them between the orders 1 and `k`.
+/// The coefficients of orders `0..=k`: one row of registers for each, with `group` registers for the state and then for
+/// every tangent vector.
 #[derive(Clone, Copy)]
+pub(super) struct Series<'r, V> {
+    known: &'r [V],
+    row: usize,
+    group: usize,
+    k: usize,
+}
+
+impl<'r, V: Lane> Series<'r, V> {
+    /// # Panics
+    /// The rows are not there.
+    #[inline(always)]
+    pub fn new(known: &'r [V], row: usize, group: usize, k: usize) -> Self {
+        assert!(group <= row && row * (k + 1) <= known.len());
+        Series { known, row, group, k }
+    }
+
+    /// Two readers of group number `group`, from order 0 upwards and from order `k` downwards, for the indices of `tile`.
+    #[inline(always)]
+    fn readers(&self, group: usize, tile: &Tile) -> (Reader<V>, Reader<V>) {
+        assert!((group + 1) * self.group <= self.row && tile.n_components <= self.group);
+        // Both pointers are those of all rows, moved: a pointer to a part of them may not be used outside of that part.
+        let first = self.known.as_ptr().wrapping_add(group * self.group);
+        (Reader(first), Reader(first.wrapping_add(self.k * self.row)))
+    }
+
+    /// Coefficient `k` of the products.
+    #[inline(always)]
+    pub fn of_state<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> Sums<V, Q, S, A> {
+        let mut sums = Sums::zero();
+        let (mut x, mut y) = self.readers(0, tile);
+        let (rows, columns) = (tile.rows, tile.first_columns());
+        for _ in 0..self.k + 1 {
+            // SAFETY: see `Reader`.
+            unsafe {
+                let v = y.columns(&columns);
+                for p in 0..S + A {
+                    sums.add(p, x.at(rows[p]), &v);
+                }
+            }
+            x.forward(self.row);
+            y.back(self.row);
+        }
+        sums
+    }
+
+    /// Coefficient `k` of the products along tangent vector `t` (from 1).
+    #[inline(always)]
+    pub fn of_tangent<const Q: usize, const S: usize, const A: usize>(
+        &self,
+        tile: &Tile,
+        t: usize,
+    ) -> Sums<V, Q, S, A> {
+        let mut sums = Sums::zero();
+        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(t, tile));
+        let (rows, columns) = (tile.rows, tile.first_columns());
+        for _ in 0..self.k + 1 {
+            // SAFETY: see `Reader`.
+            unsafe {
+                let (v, dv) = (y.columns(&columns), dy.columns(&columns));
+                for p in 0..S + A {
+                    sums.add(p, x.at(rows[p]), &dv);
+                    sums.add(p, dx.at(rows[p]), &v);
+                }
+            }
+            x.forward(self.row);
+            dx.forward(self.row);
+            y.back(self.row);
+            dy.back(self.row);
+        }
+        sums
+    }
+
+    /// Both [`Series::of_state`] and [`Series::of_tangent`] for the first tangent vector, with the same sums term by term,
+    /// sharing what they load.
+    #[inline(always)]
+    pub fn of_both<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> [Sums<V, Q, S, A>; 2] {
+        let (mut sums, mut d_sums) = (Sums::zero(), Sums::zero());
+        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(1, tile));
+        let (rows, columns) = (tile.rows, tile.first_columns());
+        for _ in 0..self.k + 1 {
+            // SAFETY: see `Reader`.
+            unsafe {
+                let (v, dv) = (y.columns(&columns), dy.columns(&columns));
+                for p in 0..S + A {
+                    let u = x.at(rows[p]);
+                    sums.add(p, u, &v);
+                    d_sums.add(p, u, &dv);
+                    d_sums.add(p, dx.at(rows[p]), &v);
+                }
+            }
+            x.forward(self.row);
+            dx.forward(self.row);
+            y.back(self.row);
+            dy.back(self.row);
+        }
+        [sums, d_sums]
+    }
+}
+
+/// One group of one row of coefficients.
+///
+/// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because the
+/// indices of a [`Tile`] are below the number of components, which is at most the length of a group, and because a loop
+/// from order 0 to `k` stays in the rows that [`Series::new`] has found to be there. Before the first row and after the last
+/// the pointer is moved once more, and not read.
 struct Reader<V>(*const V);
 
 impl<V: Lane> Reader<V> {
-    /// # Safety
-    /// `i` is a component of a group that there is, and the reader is at an order of the series.
     #[inline(always)]
+    /// # Safety
+    /// `i` is an index of the tile that the reader was made for, and the reader is at an order of the series.
     unsafe fn at(&self, i: usize) -> V {
         // SAFETY: so the caller says.
         unsafe { *self.0.add(i) }
     }
 
-    /// To the next order.
+    /// # Safety
+    /// As for [`Reader::at`], for each of the indices.
+    #[inline(always)]
+    unsafe fn columns<const Q: usize>(&self, columns: &[usize; Q]) -> [V; Q] {
+        let mut values = [V::splat(0.0); Q];
+        for q in 0..Q {
+            // SAFETY: so the caller says.
+            values[q] = unsafe { self.at(columns[q]) };
+        }
+        values
+    }
+
+    /// To the next order; one past the last after the last.
     #[inline(always)]
     fn forward(&mut self, row: usize) {
         self.0 = opaque(self.0.wrapping_add(row));
@@ -479,39 +336,81 @@ fn opaque<T>(pointer: *const T) -> *const T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Simd, Task, Wide, dispatch};
     use proptest::prelude::*;
 
-    /// The products of panels, each as (smaller, larger), sorted.
-    fn formed(panels: &[Panel]) -> Vec<[usize; 2]> {
-        let mut formed: Vec<[usize; 2]> =
-            panels.iter().flat_map(Panel::products).map(|[i, j]| [i.min(j), i.max(j)]).collect();
-        formed.sort_unstable();
-        formed
+    /// The sums of a tile in every way that there is, from coefficients `(order, group, component)` without a number more.
+    struct EverySum<'s> {
+        tile: &'s Tile,
+        group: usize,
+        n_tangents: usize,
+        k: usize,
+        numbers: &'s [f64],
     }
 
-    proptest! {
-        #[test]
-        fn every_product_is_formed_exactly_once(
-            n in 1..40_usize, pairs in prop::collection::vec((0..40_usize, 0..40_usize), 0..400)
-        ) {
-            let mut products: Vec<[usize; 2]> =
-                pairs.iter().map(|&(i, j)| [(i % n).min(j % n), (i % n).max(j % n)]).collect();
-            products.sort_unstable();
-            products.dedup();
-            let panels = panels(n, &products);
-            let firsts: Vec<usize> = panels.iter().map(|panel| panel.first).collect();
-            let lengths = panels.iter().map(|panel| panel.rows.len());
-            prop_assert!(firsts.iter().copied().eq(lengths.scan(0, |sum, n| Some(std::mem::replace(sum, *sum + n)))));
-            prop_assert_eq!(formed(&panels), products);
+    impl Task for EverySum<'_> {
+        type Output = Vec<Vec<f64>>;
+
+        fn run<V: Wide>(self) -> Vec<Vec<f64>> {
+            let rows: Box<[V]> = self.numbers.iter().map(|&number| V::splat(number)).collect();
+            let series = Series::new(&rows, self.group * (1 + self.n_tangents), self.group, self.k);
+            let mut sums = Vec::new();
+            self.tile.run(Collect { series, n_tangents: self.n_tangents, to: &mut sums });
+            sums
         }
     }
 
-    #[test]
-    fn products_of_a_large_dense_field_fill_their_panels() {
-        let products: Vec<[usize; 2]> = (0..120).flat_map(|i| (i + 1..120).map(move |j| [i, j])).collect();
-        let panels = panels(120, &products);
-        // measured: 3.9 products in a panel, of at most 4
-        let mean = products.len() as f64 / panels.len() as f64;
-        assert!(mean > 3.8, "{mean} products in a panel");
+    struct Collect<'s, V> {
+        series: Series<'s, V>,
+        n_tangents: usize,
+        to: &'s mut Vec<Vec<f64>>,
+    }
+
+    impl<V: Lane> Kernel for Collect<'_, V> {
+        fn run<const Q: usize, const S: usize, const A: usize>(self, tile: &Tile) {
+            let mut keep = |sums: Sums<V, Q, S, A>| {
+                self.to.push(sums.in_order()[..tile.shape().n_products()].iter().map(|sum| sum.get(0)).collect());
+            };
+            keep(self.series.of_state(tile));
+            (1..=self.n_tangents).for_each(|t| keep(self.series.of_tangent(tile, t)));
+            if self.n_tangents > 0 {
+                self.series.of_both(tile).into_iter().for_each(keep);
+            }
+        }
+    }
+
+    proptest! {
+        /// Also where the rows end exactly with the last coefficient that is read, and begin with the first.
+        #[test]
+        fn a_tile_of_every_shape_forms_its_products(
+            k in 0_usize..5, spare in 0_usize..3, n_tangents in 0_usize..3,
+            numbers in prop::collection::vec(-1.0_f64..1.0, 5 * 3 * 11),
+        ) {
+            for shape in SHAPES {
+                let n_components = shape.columns + shape.n_rows();
+                let indices: Vec<usize> = (0..n_components).rev().collect();
+                let (columns, rows) = indices.split_at(shape.columns);
+                let tile = Tile::new(columns, rows, shape.shared, n_components);
+                let group = n_components + spare;
+                let row = group * (1 + n_tangents);
+                let coefficients: Vec<f64> = numbers.iter().copied().cycle().take(row * (k + 1)).collect();
+                let x = |order: usize, group_number: usize, i: usize| coefficients[order * row + group_number * group + i];
+                let state = |[i, j]: [usize; 2]| (0..=k).fold(0.0, |sum, s| x(s, 0, i).mul_add(x(k - s, 0, j), sum));
+                let tangent = |t: usize, [i, j]: [usize; 2]| (0..=k).fold(0.0, |sum, s| {
+                    let sum = x(s, 0, i).mul_add(x(k - s, t, j), sum);
+                    x(s, t, i).mul_add(x(k - s, 0, j), sum)
+                });
+                let products = tile.products();
+                let mut wanted = vec![products.iter().map(|&product| state(product)).collect::<Vec<f64>>()];
+                for t in (1..=n_tangents).chain([0, 1].into_iter().filter(|_| n_tangents > 0)) {
+                    let of = |&product: &[usize; 2]| if t == 0 { state(product) } else { tangent(t, product) };
+                    wanted.push(products.iter().map(of).collect());
+                }
+                for simd in Simd::ALL {
+                    let task = EverySum { tile: &tile, group, n_tangents, k, numbers: &coefficients };
+                    prop_assert_eq!(&dispatch(simd, task), &wanted, "{:?} {:?}", shape, simd);
+                }
+            }
+        }
     }
 }

@@ -1,9 +1,7 @@
 //! What is integrated: vector fields, asked for their power series.
 
-mod compiled;
 mod convolution;
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-mod plans;
+mod cover;
 mod quadratic;
 mod quadratics;
 pub(crate) mod split_terms;
@@ -231,13 +229,6 @@ impl<F: Field> Field for &F {
     ) {
         (**self).rates_at(point, n_tangents, x, work, rates);
     }
-}
-
-/// Whether the sums of an order are formed along with those of the order before: sums of products are formed for two orders at once, so
-/// that the last order that needs some (`n_orders - 2`) is a second one. Orders 0 and 1 have no sums, and order 2 those of one term.
-#[inline(always)]
-fn is_second(k: usize, n_orders: usize) -> bool {
-    k > 2 && (n_orders - k).is_multiple_of(2)
 }
 
 /// Orders up to this one are divided with the remainder.

@@ -1,53 +1,49 @@
 //! Any quadratic field, a sparse tensor given at run time, near the speed of a kernel compiled for it.
 
-use super::compiled::{Compile, Compiled};
-use super::convolution::{Known, Panel, panels};
+use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
+use super::cover::cover;
 use super::{
-    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Straight, Terms, check_components, over_uniformly,
+    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over,
 };
 use crate::error::Error;
 use crate::lanes::{Lane, Simd};
-use std::ops::Range;
 
 /// A field whose components are polynomials of degree two:
 /// ```text
 /// x_i' = constant_i + sum_j linear_ij x_j + sum_jk quadratic_ijk x_j x_k
 /// ```
-/// Of all pairs `j, k` the *distinct* products `x_j x_k` are expanded, once each, in panels that share a factor; their coefficients
-/// enter once per order. The work of order `k` is one multiply-add for every distinct product and each of the `k + 1` terms of its
-/// sum, half of them for a square, two more for every tangent vector, and one for every nonzero entry of the tensor.
+/// Of all pairs `j, k` the *distinct* products `x_j x_k` are expanded, once each, in tiles that share factors; their
+/// coefficients enter once per order. The work of order `k` is one multiply-add for every distinct product and each of the
+/// `k + 1` terms of its sum, two more for every tangent vector, and one for every nonzero entry of the tensor.
 #[derive(Clone, Debug)]
 pub struct Quadratic {
     n_components: usize,
-    panels: Vec<Panel>,
-    n_products: usize,
-    /// What each component's derivative is the sum of.
-    outputs: Vec<Output>,
-    /// The entries of degree one and two, component by component.
+    /// Odd, so that the rows of one component do not meet in one set of the cache.
+    group: usize,
+    constant: Vec<(usize, f64)>,
+    linear: Vec<Term>,
+    tiles: Vec<PlacedTile>,
+    /// Where the products of the tiles enter.
     terms: Vec<Term>,
     majorant: Majorant,
-    compiled: Compiled,
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    compiled: std::sync::Arc<super::tape::compiled::Compiled>,
 }
 
-/// The derivative of a component: where its terms are.
-#[derive(Clone, Debug)]
-struct Output {
-    constant: Option<f64>,
-    linear: Range<usize>,
-    products: Range<usize>,
-}
-
-/// `coefficient * source`; the source is a component, or the number of a product.
+/// `x_target' += coefficient * source`; the source is a component, or the number of a product in its tile.
 #[derive(Clone, Copy, Debug)]
 struct Term {
+    target: usize,
     source: usize,
     coefficient: f64,
+    /// Its number among all coefficients.
+    number: usize,
 }
 
 /// Where coefficients come from: the same in all lanes, or lane by lane.
 pub(super) trait Coefficients: Copy {
-    /// A coefficient, given that of the field that all share, and its number.
-    fn of<V: Lane>(self, coefficient: f64, number: usize) -> V;
+    /// `scale coefficient`, given that of the field that all share, and its number.
+    fn scaled<V: Lane>(self, coefficient: f64, number: usize, scale: f64) -> V;
 }
 
 /// Those of the field itself.
@@ -56,9 +52,17 @@ struct Shared;
 
 impl Coefficients for Shared {
     #[inline(always)]
-    fn of<V: Lane>(self, coefficient: f64, _number: usize) -> V {
-        V::splat(coefficient)
+    fn scaled<V: Lane>(self, coefficient: f64, _number: usize, scale: f64) -> V {
+        V::splat(coefficient * scale)
     }
+}
+
+/// A tile and its terms: from `first` on one for each product, then those of products that enter several components.
+#[derive(Clone, Debug)]
+struct PlacedTile {
+    tile: Tile,
+    first: usize,
+    end: usize,
 }
 
 impl Quadratic {
@@ -91,47 +95,56 @@ impl Quadratic {
             linear: rows(&mut linear.iter().map(|&([i, _], c)| (i, c))),
             quadratic: rows(&mut quadratic.iter().map(|&([_, _, i], c)| (i, c))),
         };
-        let panels = panels(n_components, &products);
-        let mut numbers = vec![0; products.len()];
-        for (number, [j, k]) in panels.iter().flat_map(Panel::products).enumerate() {
-            let at = products.binary_search(&[j.min(k), j.max(k)]).expect("panels have the products of the field");
-            numbers[at] = number;
-        }
-        let number_of = |product: [usize; 2]| numbers[products.binary_search(&product).expect("as above")];
-        let mut of_products: Vec<(usize, Term)> = quadratic
-            .iter()
-            .map(|&([j, k, i], coefficient)| (i, Term { source: number_of([j, k]), coefficient }))
+        let mut terms = Vec::new();
+        let tiles = cover(n_components, &products)
+            .into_iter()
+            .map(|tile| {
+                let first = terms.len();
+                let mut further = Vec::new();
+                for (source, [j, k]) in tile.products().into_iter().enumerate() {
+                    let product = [j.min(k), j.max(k)];
+                    let at = quadratic.partition_point(|&([j, k, _], _)| [j, k] < product);
+                    let entries = quadratic[at..].iter().take_while(|&&([j, k, _], _)| [j, k] == product);
+                    let mut entries =
+                        entries.map(|&([_, _, target], coefficient)| Term { target, source, coefficient, number: 0 });
+                    terms.extend(entries.next());
+                    further.extend(entries);
+                }
+                terms.append(&mut further);
+                PlacedTile { tile, first, end: terms.len() }
+            })
             .collect();
-        of_products.sort_by_key(|&(target, term)| (target, term.source));
-        let (mut terms, mut outputs) = (vec![], vec![]);
-        let (mut constants, mut linear) = (constant.into_iter().peekable(), linear.into_iter().peekable());
-        let mut of_products = of_products.into_iter().peekable();
-        for i in 0..n_components {
-            let constant = constants.next_if(|&([target], _)| target == i).map(|(_, value)| value);
-            let first = terms.len();
-            while let Some(([_, source], coefficient)) = linear.next_if(|&([target, _], _)| target == i) {
-                terms.push(Term { source, coefficient });
-            }
-            let middle = terms.len();
-            while let Some((_, term)) = of_products.next_if(|&(target, _)| target == i) {
-                terms.push(term);
-            }
-            outputs.push(Output { constant, linear: first..middle, products: middle..terms.len() });
+        let linear = linear.iter().map(|&([i, j], c)| Term { target: i, source: j, coefficient: c, number: 0 });
+        let mut linear: Vec<Term> = linear.collect();
+        for (number, term) in (constant.len()..).zip(linear.iter_mut().chain(&mut terms)) {
+            term.number = number;
         }
         Ok(Quadratic {
             n_components,
-            panels,
-            n_products: products.len(),
-            outputs,
+            group: n_components | 1,
+            constant: constant.iter().map(|&([i], c)| (i, c)).collect(),
+            linear,
+            tiles,
             terms,
             majorant,
-            compiled: Compiled::default(),
+            #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+            compiled: std::sync::Arc::default(),
         })
     }
 
     /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
     pub fn kernel(&self, simd: Simd) -> &'static str {
-        self.compiled.kernel(simd)
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        return self.compiled.kernel(simd);
+        #[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
+        simd.name()
+    }
+
+    /// Instructions that the rates take: of products, and of where they enter.
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    fn work(&self) -> usize {
+        let products: usize = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
+        products + self.linear.len() + self.terms.len()
     }
 }
 
@@ -174,13 +187,15 @@ impl Bounds for Quadratic {
     fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
         to.clear(self.n_components);
         let size = |k: usize| state[k].abs() + rest[k];
-        let products: Vec<f64> = self.products().map(|[j, k]| size(j) * size(k)).collect();
-        for (i, output) in self.outputs.iter().enumerate() {
-            for term in &self.terms[output.linear.clone()] {
-                to.linear[i] += term.coefficient.abs() * size(term.source);
-            }
-            for term in &self.terms[output.products.clone()] {
-                to.quadratic[i] += term.coefficient.abs() * products[term.source];
+        for term in &self.linear {
+            to.linear[term.target] += term.coefficient.abs() * size(term.source);
+        }
+        for placed in &self.tiles {
+            let terms = &self.terms[placed.first..placed.end];
+            let products = placed.tile.products();
+            for term in terms {
+                let [j, k] = products[term.source];
+                to.quadratic[term.target] += term.coefficient.abs() * size(j) * size(k);
             }
         }
     }
@@ -198,11 +213,7 @@ impl Instantiate for Quadratic {
 
 impl Field for Quadratic {
     fn group(&self) -> usize {
-        self.n_components
-    }
-
-    fn registers(&self, n_tangents: usize, order: usize) -> usize {
-        self.row(n_tangents) * (order + 1) + 2 * self.n_products * (1 + n_tangents)
+        self.group
     }
 
     #[inline(always)]
@@ -213,64 +224,37 @@ impl Field for Quadratic {
         self.extend_with(Shared, rows, n_tangents, k);
     }
 
+    const IS_COMPILED: bool = cfg!(all(target_arch = "x86_64", target_os = "linux"));
+
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
-    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
-        if self.compiled.expand(self, rows, n_tangents, order) {
-            return;
-        }
-        for k in 0..order {
-            self.extend(rows, n_tangents, k);
-        }
-    }
-
-    const IS_COMPILED: bool = Compiled::IS_POSSIBLE;
-
-    #[inline(always)]
-    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
-        self.compiled.run(self.n_operations(), code, memory)
-    }
-}
-
-impl Compile for Quadratic {
-    fn n_operations(&self) -> usize {
-        self.n_products + self.terms.len()
-    }
-
-    fn n_kept(&self, n_tangents: usize, n_orders: usize) -> usize {
-        self.row(n_tangents) * n_orders
-    }
-
-    fn bases(&self, n_tangents: usize, k: usize) -> [usize; 3] {
-        [0, k, k / 2].map(|order| order * self.row(n_tangents))
+    fn run_compiled<V: Lane>(&self, code: &impl super::Straight, memory: &mut [V]) -> bool {
+        self.compiled.run(self.work(), code, memory)
     }
 }
 
 impl Quadratic {
     /// Distinct products, and nonzero entries of degree one and two.
-    pub(crate) fn counts(&self) -> [usize; 2] {
-        [self.n_products, self.terms.len()]
-    }
-
-    /// The two factors of each product.
-    fn products(&self) -> impl Iterator<Item = [usize; 2]> {
-        self.panels.iter().flat_map(Panel::products)
+    pub(crate) fn counts(&self) -> [f64; 2] {
+        let products: usize = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
+        [products, self.linear.len() + self.terms.len()].map(|count| count as f64)
     }
 
     /// Whether two fields differ in their coefficients only.
     pub(super) fn has_the_terms_of(&self, other: &Quadratic) -> bool {
         let indices = |field: &Quadratic| {
-            let outputs = field.outputs.iter();
-            let outputs = outputs.map(|o| (o.constant.is_some(), o.linear.clone(), o.products.clone()));
-            let sources: Vec<usize> = field.terms.iter().map(|term| term.source).collect();
-            (outputs.collect::<Vec<_>>(), sources, field.products().collect::<Vec<_>>())
+            let constant: Vec<usize> = field.constant.iter().map(|&(i, _)| i).collect();
+            let terms = field.linear.iter().chain(&field.terms).map(|term| (term.target, term.source));
+            let products: Vec<_> = field.tiles.iter().flat_map(|placed| placed.tile.products()).collect();
+            (field.n_components, constant, terms.collect::<Vec<_>>(), products)
         };
         indices(self) == indices(other)
     }
 
-    /// All coefficients, by their numbers: those of the terms, then the constants.
+    /// All coefficients, by their numbers.
     pub(super) fn coefficients(&self) -> impl Iterator<Item = f64> {
-        let constants = self.outputs.iter().map(|output| output.constant.unwrap_or(0.0));
-        self.terms.iter().map(|term| term.coefficient).chain(constants)
+        let terms = self.linear.iter().chain(&self.terms).map(|term| term.coefficient);
+        self.constant.iter().map(|&(_, value)| value).chain(terms)
     }
 
     /// [`Field::extend`] with coefficients from somewhere.
@@ -283,94 +267,146 @@ impl Quadratic {
         k: usize,
     ) {
         let row = self.row(n_tangents);
-        let n_orders = (rows.len() - self.registers(n_tangents, 0)) / row + 1;
-        let (rows, work) = rows.split_at_mut(row * n_orders);
         let (known, next) = rows.split_at_mut((k + 1) * row);
-        let series = Known::new(known, (self.n_components, self.n_products), n_tangents, (k, n_orders));
-        for panel in &self.panels {
-            panel.extend(&series, work);
+        let next = &mut next[..row];
+        let scale = if needs_remainder(k + 1) { 1.0 } else { 1.0 / (k + 1) as f64 };
+        self.begin(coefficients, &known[k * row..], next, n_tangents, k, scale);
+        let series = Series::new(known, row, self.group, k);
+        for placed in &self.tiles {
+            let terms = &self.terms[placed.first..placed.end];
+            placed.tile.run(AddProducts { coefficients, series, terms, next, group: self.group, n_tangents, scale });
         }
-        let (last, next) = (&known[k * row..], &mut next[..row]);
-        let mut group = 0;
-        while group <= n_tangents {
-            group += match n_tangents - group {
-                0 => self.write::<C, V, 1>(coefficients, last, work, (group, k), next),
-                _ => self.write::<C, V, 2>(coefficients, last, work, (group, k), next),
-            };
+        if needs_remainder(k + 1) {
+            for value in next {
+                *value = over(*value, k + 1);
+            }
         }
     }
 
-    /// The next coefficients of `G` groups, the first of which is given with the order; how many these are.
+    /// The constant and linear parts.
     #[inline(always)]
-    fn write<C: Coefficients, V: Lane, const G: usize>(
+    fn begin<C: Coefficients, V: Lane>(
         &self,
         coefficients: C,
         last: &[V],
-        work: &[V],
-        (group, k): (usize, usize),
         next: &mut [V],
-    ) -> usize {
-        let (n, n_products) = (self.n_components, self.n_products);
-        let (mut components, mut products) = ([last; G], [work; G]);
-        for g in 0..G {
-            components[g] = &last[(group + g) * n..][..n];
-            products[g] = &work[(group + g) * n_products..][..n_products];
+        n_tangents: usize,
+        k: usize,
+        scale: f64,
+    ) {
+        for value in next.iter_mut() {
+            *value = V::splat(0.0);
         }
-        for (i, output) in self.outputs.iter().enumerate() {
-            let mut sums = [V::splat(0.0); G];
-            let (mut linear, mut quadratic) = (output.linear.clone(), output.products.clone());
-            if let Some(constant) = output.constant
-                && k == 0
-                && group == 0
-            {
-                sums[0] = coefficients.of(constant, self.terms.len() + i);
-            } else if let Some(number) = linear.next() {
-                self.multiply(coefficients, number, &components, &mut sums);
-            } else if let Some(number) = quadratic.next() {
-                self.multiply(coefficients, number, &products, &mut sums);
+        if k == 0 {
+            for (number, &(i, value)) in self.constant.iter().enumerate() {
+                next[i] = coefficients.scaled(value, number, 1.0);
             }
-            for number in linear {
-                self.add(coefficients, number, &components, &mut sums);
+        }
+        for term in &self.linear {
+            let factor: V = coefficients.scaled(term.coefficient, term.number, scale);
+            for g in 0..=n_tangents {
+                let to = &mut next[g * self.group + term.target];
+                *to = last[g * self.group + term.source].mul_add(factor, *to);
             }
-            for number in quadratic {
-                self.add(coefficients, number, &products, &mut sums);
+        }
+    }
+}
+
+/// Adds the products of one tile to the next row.
+struct AddProducts<'r, C, V> {
+    coefficients: C,
+    series: Series<'r, V>,
+    terms: &'r [Term],
+    next: &'r mut [V],
+    group: usize,
+    n_tangents: usize,
+    scale: f64,
+}
+
+impl<C: Coefficients, V: Lane> Kernel for AddProducts<'_, C, V> {
+    #[inline(always)]
+    fn run<const Q: usize, const S: usize, const A: usize>(mut self, tile: &Tile) {
+        // Two sums for every product, and the factors at hand, in registers; the sums are the same, term by term, so a
+        // trajectory has the same bits either way.
+        let fused = self.n_tangents > 0 && 2 * (Q * S + A) + 2 * Q + 2 <= V::REGISTERS;
+        if fused {
+            let sums = self.series.of_both::<Q, S, A>(tile);
+            self.add(0, &sums);
+        } else {
+            self.add(0, &[self.series.of_state::<Q, S, A>(tile)]);
+        }
+        for t in 1 + usize::from(fused)..=self.n_tangents {
+            self.add(t, &[self.series.of_tangent::<Q, S, A>(tile, t)]);
+        }
+    }
+}
+
+impl<C: Coefficients, V: Lane> AddProducts<'_, C, V> {
+    /// Adds sums of `G` groups, from number `group` on.
+    #[inline(always)]
+    fn add<const G: usize, const Q: usize, const S: usize, const A: usize>(
+        &mut self,
+        group: usize,
+        sums: &[Sums<V, Q, S, A>; G],
+    ) {
+        let mut next =
+            Next::<C, V, G>::new(&mut self.next[group * self.group..], self.group, (self.coefficients, self.scale));
+        let (leading, further) = self.terms.split_at(Q * S + A);
+        for p in 0..S {
+            for q in 0..Q {
+                let mut product = [V::splat(0.0); G];
+                for g in 0..G {
+                    product[g] = sums[g].shared[p][q];
+                }
+                next.add(product, &leading[p * Q + q]);
             }
+        }
+        for p in 0..A {
+            let mut product = [V::splat(0.0); G];
             for g in 0..G {
-                next[(group + g) * n + i] = over_uniformly(sums[g], k + 1);
+                product[g] = sums[g].single[p];
+            }
+            next.add(product, &leading[S * Q + p]);
+        }
+        if !further.is_empty() {
+            let mut products = [[V::splat(0.0); G]; MOST_PRODUCTS];
+            for g in 0..G {
+                let sums = sums[g].in_order();
+                for m in 0..Q * S + A {
+                    products[m][g] = sums[m];
+                }
+            }
+            for term in further {
+                next.add(products[term.source], term);
             }
         }
-        G
     }
+}
 
-    /// The first term of a sum.
+/// `G` groups of the next row.
+struct Next<'r, C, V, const G: usize> {
+    coefficients: C,
+    groups: [&'r mut [V]; G],
+    scale: f64,
+}
+
+impl<'r, C: Coefficients, V: Lane, const G: usize> Next<'r, C, V, G> {
     #[inline(always)]
-    fn multiply<C: Coefficients, V: Lane, const G: usize>(
-        &self,
-        coefficients: C,
-        number: usize,
-        values: &[&[V]; G],
-        sums: &mut [V; G],
-    ) {
-        let Term { source, coefficient } = self.terms[number];
-        let coefficient: V = coefficients.of(coefficient, number);
+    fn new(mut rest: &'r mut [V], group: usize, (coefficients, scale): (C, f64)) -> Self {
+        let mut groups: [&mut [V]; G] = std::array::from_fn(|_| Default::default());
         for g in 0..G {
-            sums[g] = values[g][source].mul(coefficient);
+            let (first, others) = std::mem::take(&mut rest).split_at_mut(group);
+            (groups[g], rest) = (first, others);
         }
+        Next { coefficients, groups, scale }
     }
 
-    /// Another one.
     #[inline(always)]
-    fn add<C: Coefficients, V: Lane, const G: usize>(
-        &self,
-        coefficients: C,
-        number: usize,
-        values: &[&[V]; G],
-        sums: &mut [V; G],
-    ) {
-        let Term { source, coefficient } = self.terms[number];
-        let coefficient: V = coefficients.of(coefficient, number);
+    fn add(&mut self, product: [V; G], term: &Term) {
+        let factor: V = self.coefficients.scaled(term.coefficient, term.number, self.scale);
         for g in 0..G {
-            sums[g] = values[g][source].mul_add(coefficient, sums[g]);
+            let to = &mut self.groups[g][term.target];
+            *to = product[g].mul_add(factor, *to);
         }
     }
 }

@@ -69,10 +69,10 @@ struct ByLane<'l>(&'l [[f64; MOST_LANES]]);
 
 impl Coefficients for ByLane<'_> {
     #[inline(always)]
-    fn of<V: Lane>(self, _coefficient: f64, number: usize) -> V {
+    fn scaled<V: Lane>(self, _coefficient: f64, number: usize, scale: f64) -> V {
         let mut register = V::splat(0.0);
         for (to, &coefficient) in register.as_scalars_mut().iter_mut().zip(&self.0[number][..V::WIDTH]) {
-            *to = V::Number::of(coefficient);
+            *to = V::Number::of(coefficient * scale);
         }
         register
     }
@@ -96,10 +96,6 @@ impl Instance for LaneQuadratics<'_> {
 impl Field for LaneQuadratics<'_> {
     fn group(&self) -> usize {
         self.fields.shape.group()
-    }
-
-    fn registers(&self, n_tangents: usize, order: usize) -> usize {
-        self.fields.shape.registers(n_tangents, order)
     }
 
     #[inline(always)]

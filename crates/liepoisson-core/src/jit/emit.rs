@@ -29,20 +29,14 @@ pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
 /// The bits of a number that are not its sign.
 pub(super) const SIZE: u64 = i64::MAX as u64;
 
-/// Registers of memory for values that no register is left for: a piece that needs more is not compiled. The twelve stages of a
-/// Runge-Kutta step with a tangent vector take 24 for each component; 128 KB of the stack at most.
-pub(super) const MOST_SPILLED: usize = 2048;
+/// Registers of memory for values that no register is left for: a piece that needs more is not compiled.
+pub(super) const MOST_SPILLED: usize = 256;
 
-/// The code of a piece, and how many registers it spills; none if these are too many, or addresses are beyond 31 bits.
-pub(super) fn emit(
-    shape: &Shape,
-    constants: &mut Constants,
-    function: usize,
-    assembler: &mut Assembler,
-) -> Option<usize> {
+/// The code of a piece; none if it needs too much memory, or has addresses beyond 31 bits.
+pub(super) fn emit(shape: &Shape, constants: &mut Constants, function: usize, assembler: &mut Assembler) -> Option<()> {
     let mut emitter = Emitter::new(shape, constants, function, assembler)?;
     emitter.run()?;
-    (emitter.n_spilled <= MOST_SPILLED).then_some(emitter.n_spilled)
+    (emitter.n_spilled <= MOST_SPILLED).then_some(())
 }
 
 /// The code that runs pieces in turn, each given where it begins, its bases, in registers after the first, its constants, and what the
@@ -267,9 +261,7 @@ impl<'a> Emitter<'a> {
                 self.assembler.operate(ADD_OF_INTEGERS, to, to, one);
             }
             Operation::Call(function, x) => self.call(value, function, x),
-            Operation::Loop(one)
-                if self.assembler.instructions == Instructions::VexOne && self.shape.loops[one].stride == 1 =>
-            {
+            Operation::Loop(one) if self.assembler.instructions == Instructions::VexOne => {
                 self.products_of_one(value, &self.shape.loops[one], one)?;
             }
             Operation::Loop(one) => self.products(value, &self.shape.loops[one], one)?,

@@ -6,9 +6,6 @@ use std::ffi::{c_int, c_void};
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
-/// Registers of memory for spilled values that most code is content with; what is kept on the stack is touched page by page.
-const FEW_SPILLED: usize = 64;
-
 /// Bytes of a page.
 pub(super) const PAGE: usize = 4096;
 
@@ -62,28 +59,14 @@ impl Pages {
         is_protected.then_some(pages)
     }
 
-    /// Runs the code from this byte on, on memory and with more for the registers that it spills; whether up to its end.
+    /// Runs the code from this byte on, on memory and with more for what it spills; whether up to its end.
     ///
     /// # Safety
-    /// The byte is the first of code that was compiled for registers `V`, which this processor has, and spills no more; all that it
-    /// reads and writes is inside of memory that the caller may write.
-    #[inline]
-    pub(super) unsafe fn run<V: Lane>(&self, at: usize, n_spilled: usize, memory: *mut V) -> bool {
-        assert!(n_spilled <= MOST_SPILLED);
-        // SAFETY: the caller has said so.
-        unsafe {
-            match n_spilled {
-                ..=FEW_SPILLED => self.run_with::<V, FEW_SPILLED>(at, memory),
-                _ => self.run_with::<V, MOST_SPILLED>(at, memory),
-            }
-        }
-    }
-
-    /// # Safety
-    /// As for [`Pages::run`], with so many spilled registers.
-    unsafe fn run_with<V: Lane, const SPILLED: usize>(&self, at: usize, memory: *mut V) -> bool {
-        let mut spilled = MaybeUninit::<[V; SPILLED]>::uninit();
-        // SAFETY: the caller has said so; code reads what it has spilled.
+    /// The byte is the first of code that was compiled for registers `V`, which this processor has, and all that it reads and writes
+    /// is inside of memory that the caller may write.
+    pub(super) unsafe fn run<V: Lane>(&self, at: usize, memory: *mut V) -> bool {
+        let mut spilled = MaybeUninit::<[V; MOST_SPILLED]>::uninit();
+        // SAFETY: the caller has said so; code reads what it has spilled, and spills at most so many registers.
         unsafe {
             let code: unsafe extern "sysv64" fn(*mut V, *mut V) -> u32 =
                 std::mem::transmute(self.start.byte_add(self.n_constants + at));

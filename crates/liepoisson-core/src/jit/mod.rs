@@ -46,8 +46,6 @@ pub(crate) struct Code {
     pages: Pages,
     /// The first byte of the code that runs all orders.
     at: usize,
-    /// Registers that it spills at most.
-    n_spilled: usize,
     /// The pieces of the orders: where each begins.
     #[cfg(test)]
     pieces: Vec<usize>,
@@ -89,7 +87,6 @@ impl Code {
             registers,
             pages: Pages::new(&program.numbers, &program.code)?,
             at: program.at,
-            n_spilled: program.n_spilled,
             #[cfg(test)]
             pieces: program.pieces,
         })
@@ -104,7 +101,7 @@ impl Code {
         assert!(V::INSTRUCTIONS == Some(self.instructions) && memory.len() == self.registers, "code for other memory");
         // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
         // compared all addresses of each order with the number of registers.
-        unsafe { self.pages.run(self.at, self.n_spilled, memory.as_mut_ptr()) }
+        unsafe { self.pages.run(self.at, memory.as_mut_ptr()) }
     }
 }
 
@@ -115,7 +112,6 @@ struct Program {
     numbers: Vec<u64>,
     code: Vec<u8>,
     at: usize,
-    n_spilled: usize,
     /// The pieces of the orders: where each begins.
     pieces: Vec<usize>,
 }
@@ -138,14 +134,14 @@ fn compile(question: &Question) -> Option<Program> {
         shapes.extend(shape);
     }
     let (mut assembler, mut constants) = (Assembler::new(instructions), Constants::new(instructions));
-    let (mut entries, mut n_spilled) = (vec![], 0);
+    let mut entries = vec![];
     for shape in &shapes {
         if !shape.fits(registers) {
             return None;
         }
         assembler.align();
         let at = assembler.code.len();
-        n_spilled = n_spilled.max(emit(shape, &mut constants, function, &mut assembler)?);
+        emit(shape, &mut constants, function, &mut assembler)?;
         let starts = constants.end_piece(shape.orders.len());
         for (order, start) in shape.orders.iter().zip(starts) {
             let counts = constants.shared(&count_bases(order.k).map(|count| count as u64));
@@ -165,7 +161,6 @@ fn compile(question: &Question) -> Option<Program> {
         numbers: constants.into_numbers(),
         code: assembler.code,
         at,
-        n_spilled,
         pieces: turns.iter().map(|turn| turn.at).collect(),
     })
 }
@@ -256,7 +251,7 @@ mod tests {
             fn run<V: Wide>(self) {
                 let trace = Recorded::trace(20, |memory| {
                     let mut sums = [Recorded::splat(0.0); 2];
-                    Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], 1, self.0);
+                    Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], false, self.0);
                     memory[0] = sums[0];
                     memory[19] = sums[1];
                 });

@@ -201,11 +201,8 @@ impl Shape {
                 && self.loops.iter().zip(&self.counts).all(|(one, (runs, means))| {
                     let Relative { base, more } = means.first();
                     count_bases(order.k)[base] as isize + more == runs[i] as isize
-                        && one
-                            .left
-                            .iter()
-                            .all(|value| is_inside(order, of(value), 0, one.stride * runs[i].saturating_sub(1)))
-                        && one.right.iter().all(|value| is_inside(order, of(value), one.stride * runs[i], 0))
+                        && one.left.iter().all(|value| is_inside(order, of(value), 0, runs[i].saturating_sub(1)))
+                        && one.right.iter().all(|value| is_inside(order, of(value), runs[i], 0))
                 })
         })
     }
@@ -225,19 +222,15 @@ pub(super) fn reads(recording: &Recording) -> Option<Vec<bool>> {
     };
     for &operation in &recording.operations {
         if let Operation::Loop(one) = operation {
-            let Loop { sums, left, right, stride, count } = &recording.loops[one];
+            let Loop { sums, left, right, count, .. } = &recording.loops[one];
             sums.iter().filter_map(|&sum| register(sum)).for_each(|sum| read[sum] = true);
             for &value in left {
                 let first = register(value)?;
-                for term in 0..*count {
-                    *read.get_mut(first + term * stride)? = true;
-                }
+                read.get_mut(first..first + count)?.fill(true);
             }
             for &value in right {
                 let first = register(value)?;
-                for term in 0..=*count {
-                    read[first.checked_sub(term * stride)?] = true;
-                }
+                read[first.checked_sub(*count)?..=first].fill(true);
             }
         }
         operation.map(|value| {

@@ -222,10 +222,9 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
 
     /// Records a loop over `count` terms. Term `i` adds to the sums `[s][a][b]`, two numbers each, `s` being `i` modulo the number of
     /// those, the products of the left series `a`, whose first coefficients are given, with two of the right series `b`:
-    /// `left[a]_i right[b]_(-1-i)` and `left[a]_i right[b]_(-i)`. From one coefficient of a series to the next it is `stride` registers of
-    /// the memory. Sums that nothing reads are not formed. False: to be computed.
+    /// `left[a]_i right[b]_(-1-i)` and `left[a]_i right[b]_(-i)`. `skips` leaves `a = b = 1` out. False: to be computed.
     #[inline(always)]
-    fn record_products(_sums: &mut [Self], _left: &[Self], _right: &[Self], _stride: usize, _count: usize) -> bool {
+    fn record_products(_sums: &mut [Self], _left: &[Self], _right: &[Self], _skips: bool, _count: usize) -> bool {
         false
     }
 

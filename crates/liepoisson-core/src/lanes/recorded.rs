@@ -64,8 +64,7 @@ pub(crate) struct Loop {
     pub(crate) sums: Vec<Value>,
     pub(crate) left: Vec<Value>,
     pub(crate) right: Vec<Value>,
-    /// Registers from one coefficient of a series to the next.
-    pub(crate) stride: usize,
+    pub(crate) skips: bool,
     pub(crate) count: usize,
 }
 
@@ -243,9 +242,9 @@ impl Lane for Recorded {
         true
     }
 
-    fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], stride: usize, count: usize) -> bool {
+    fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], skips: bool, count: usize) -> bool {
         let values = |registers: &[Self]| registers.iter().map(|register| register.value()).collect();
-        let recorded = Loop { sums: values(sums), left: values(left), right: values(right), stride, count };
+        let recorded = Loop { sums: values(sums), left: values(left), right: values(right), skips, count };
         let number = TRACE.with_borrow_mut(|trace| {
             trace.loops.push(recorded);
             trace.loops.len() - 1

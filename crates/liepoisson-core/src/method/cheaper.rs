@@ -58,12 +58,12 @@ impl Counted for Tape {
 /// Of four systems, with 3 to 208 products: steps of series are within 20% of their times, those of stages within 25%.
 impl Counted for Quadratic {
     fn series(&self, order: usize) -> f64 {
-        let ([products, terms], n) = (self.counts().map(|count| count as f64), order as f64);
+        let ([products, terms], n) = (self.counts(), order as f64);
         OF_A_STEP + 100.0 * n + 3.0 * products * n * (n + 1.0) + 10.0 * terms * n
     }
 
     fn rates(&self) -> f64 {
-        let [products, terms] = self.counts().map(|count| count as f64);
+        let [products, terms] = self.counts();
         250.0 + 6.0 * products + 10.0 * terms
     }
 }

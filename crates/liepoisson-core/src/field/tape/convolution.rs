@@ -31,7 +31,7 @@ fn convolve<V: Lane, const L: usize, const R: usize, const BLOCK: usize, const S
     }
     let n = last[0].saturating_sub(1); // terms from j = 2 that both orders have
     // a loop over nothing is recorded, too, so that the first orders share the code of the others
-    let is_recorded = V::IS_RECORDED && k > 2 && record_terms::<V, L, R, SUMS>(&mut sums, left, right, k, n);
+    let is_recorded = V::IS_RECORDED && k > 2 && record_terms::<V, L, R, SUMS, SKIP>(&mut sums, left, right, k, n);
     if n > 0 && !is_recorded {
         let lefts = left.map(|series| series[2..2 + n].as_chunks::<BLOCK>());
         let rights = right.map(|series| series[k - 1 - n..k - 1].as_rchunks::<BLOCK>());
@@ -77,7 +77,7 @@ fn convolve<V: Lane, const L: usize, const R: usize, const BLOCK: usize, const S
 
 /// Where code is recorded: the terms from `j = 2` on, as a loop.
 #[inline(always)]
-fn record_terms<V: Lane, const L: usize, const R: usize, const SUMS: usize>(
+fn record_terms<V: Lane, const L: usize, const R: usize, const SUMS: usize, const SKIP: bool>(
     sums: &mut [[[Sums<V>; R]; L]; SUMS],
     left: [&[V]; L],
     right: [&[V]; R],
@@ -86,7 +86,7 @@ fn record_terms<V: Lane, const L: usize, const R: usize, const SUMS: usize>(
 ) -> bool {
     let first = (left.map(|series| series[2]), right.map(|series| series[k - 1]));
     let sums = sums.as_flattened_mut().as_flattened_mut().as_flattened_mut();
-    V::record_products(sums, &first.0, &first.1, 1, n)
+    V::record_products(sums, &first.0, &first.1, SKIP, n)
 }
 
 #[inline(always)]

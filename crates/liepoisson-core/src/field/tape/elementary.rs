@@ -150,18 +150,6 @@ pub(super) fn each<V: Lane>(mut x: V, function: impl Fn(f64) -> f64) -> V {
     x
 }
 
-/// The elementary functions of tapes, as compiled code calls them.
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-pub(in crate::field) struct Elementary;
-
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-impl crate::jit::Functions for Elementary {
-    #[inline(always)]
-    fn compute<V: Lane>(function: [u64; 2], x: V) -> [V; 2] {
-        Called::from_code(function).compute(x)
-    }
-}
-
 /// What is computed of one register at order 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Called {
@@ -201,8 +189,7 @@ impl Called {
     }
 
     /// The function with this code.
-    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-    fn from_code([tag, number]: [u64; 2]) -> Called {
+    pub(super) fn from_code([tag, number]: [u64; 2]) -> Called {
         match tag {
             0 | 1 => Called::Pair { hyperbolic: tag == 1 },
             _ => Called::One(Function::from_code(tag, number)),

@@ -2,7 +2,6 @@
 
 use super::program::{Program, Size};
 use super::steps::{Form, Slot};
-use crate::field::is_second;
 use crate::lanes::Lane;
 
 /// Where things are for one order of the series.
@@ -33,7 +32,14 @@ impl Frame {
         let series = program.state.series + n_tangents * program.tangent.series;
         let n_orders = (registers - singles) / (row + series);
         assert!(k < n_orders, "order {k} of a series of {n_orders}");
-        Frame { n_orders, n_tangents, k, is_second: is_second(k, n_orders) }
+        Frame { n_orders, n_tangents, k, is_second: Frame::is_second(k, n_orders) }
+    }
+
+    /// Whether the sums of an order are formed along with those of the order before: sums are formed for two orders at once, so that
+    /// the last order that needs some (`n_orders - 2`) is a second one. Orders 0 and 1 have no sums, and order 2 those of one term.
+    #[inline(always)]
+    pub(super) fn is_second(k: usize, n_orders: usize) -> bool {
+        k > 2 && (n_orders - k).is_multiple_of(2)
     }
 
     #[inline(always)]

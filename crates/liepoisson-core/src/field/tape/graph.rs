@@ -532,7 +532,6 @@ impl Function {
     }
 
     /// The function with this code.
-    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     pub(super) fn from_code(tag: u64, number: u64) -> Function {
         match tag {
             6 => Function::Power(f64::from_bits(number)),

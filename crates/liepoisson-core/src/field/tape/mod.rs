@@ -1,6 +1,8 @@
 //! Any smooth field: a tape of instructions, run as rules for power series.
 
 mod branch;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+pub(super) mod compiled;
 mod convolution;
 mod cost;
 mod drive;
@@ -17,14 +19,11 @@ mod steps;
 mod sums;
 
 pub(crate) use cost::OF_A_STEP;
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-pub(super) use elementary::Elementary;
 pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::compiled::{Compile, Compiled};
-use super::{Bounds, Field, Majorant, Space, Straight, Terms};
+use super::{Bounds, Field, Majorant, Space, Terms};
 use crate::error::Error;
 use crate::lanes::{Body, Lane, Simd};
 use enclosure::enclose;
@@ -70,7 +69,8 @@ pub struct Tape {
     degree: f64,
     /// How many exponentials are multiplied at most.
     n_exponentials: f64,
-    compiled: Compiled,
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    compiled: std::sync::Arc<compiled::Compiled>,
 }
 
 impl Tape {
@@ -92,13 +92,17 @@ impl Tape {
             program: Program::new(&graph),
             degree: graph.degree(1.0, 0.0),
             n_exponentials: graph.degree(0.0, 1.0),
-            compiled: Compiled::default(),
+            #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+            compiled: std::sync::Arc::default(),
         })
     }
 
     /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
     pub fn kernel(&self, simd: Simd) -> &'static str {
-        self.compiled.kernel(simd)
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        return self.compiled.kernel(simd);
+        #[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
+        simd.name()
     }
 
     /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
@@ -216,6 +220,7 @@ impl Field for Tape {
 
     #[inline(always)]
     fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
         if self.compiled.expand(self, rows, n_tangents, order) {
             return;
         }
@@ -225,32 +230,17 @@ impl Field for Tape {
         }
     }
 
-    const IS_COMPILED: bool = Compiled::IS_POSSIBLE;
+    const IS_COMPILED: bool = cfg!(all(target_arch = "x86_64", target_os = "linux"));
 
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
-    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
-        self.compiled.run(self.n_operations(), code, memory)
+    fn run_compiled<V: Lane>(&self, code: &impl super::Straight, memory: &mut [V]) -> bool {
+        self.compiled.run(self.instructions.len(), code, memory)
     }
 
     #[inline(always)]
     fn rates<V: Lane>(&self, x: &[V], n_tangents: usize, work: &mut [V], rates: &mut [V]) {
         V::outline(Rates { tape: self, x, n_tangents, work, rates });
-    }
-}
-
-impl Compile for Tape {
-    fn n_operations(&self) -> usize {
-        self.instructions.len()
-    }
-
-    /// Series up to the last order, so that it shares code; single registers as far as a later order reads them.
-    fn n_kept(&self, n_tangents: usize, n_orders: usize) -> usize {
-        let n_series = self.program.state.series + n_tangents * self.program.tangent.series;
-        (self.row(n_tangents) + n_series) * n_orders
-    }
-
-    fn bases(&self, n_tangents: usize, k: usize) -> [usize; 3] {
-        [k, k / 2, k * self.row(n_tangents)]
     }
 }
 

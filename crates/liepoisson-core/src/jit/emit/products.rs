@@ -5,81 +5,42 @@ use crate::jit::assembler::{Assembler, Condition, General, MUL_ADD_231, Place, R
 use crate::jit::shape::Relative;
 use crate::lanes::recorded::{Loop, Value};
 
-/// Registers for coefficients of left series.
-const X: usize = 2;
-
 impl Emitter<'_> {
-    /// The sums of products of a loop: of as many left series at a time as there are registers for.
+    /// The sums of products, term by term: as many terms at a time as there are sums for one product, and at least two, so that what
+    /// was the right coefficient of one order becomes that of the next without being moved.
     pub(super) fn products(&mut self, value: Value, one: &Loop, number: usize) -> Option<()> {
-        let mut results = std::mem::take(&mut self.results[value as usize]);
-        let (n_left, n_right) = (one.left.len(), one.right.len());
-        let left_of = |index: usize| index / (2 * n_right) % n_left;
-        let mut first = 0;
-        while first < n_left {
-            let (mut end, mut n_registers) = (first, X + 2 * n_right);
-            while end < n_left {
-                n_registers += results.iter().filter(|(index, _)| left_of(*index) == end).count();
-                if end > first && n_registers > self.contents.len() {
-                    break;
-                }
-                end += 1;
-            }
-            let (now, later) = results.into_iter().partition(|(index, _)| left_of(*index) < end);
-            results = later;
-            let others: Vec<Value> = results.iter().map(|&(index, _)| one.sums[index]).collect();
-            self.some_products(value as usize, (one, number), now, &others)?;
-            self.is_pinned.fill(false);
-            first = end;
-        }
-        Some(())
-    }
-
-    /// These sums, term by term: as many terms at a time as there are sums for one product, and at least two, so that what was the
-    /// right coefficient of one order becomes that of the next without being moved.
-    fn some_products(
-        &mut self,
-        at: usize,
-        (one, number): (&Loop, usize),
-        results: Vec<(usize, Value)>,
-        others: &[Value],
-    ) -> Option<()> {
+        let at = value as usize;
         let (n_left, n_right) = (one.left.len(), one.right.len());
         let n_sums = one.sums.len() / (2 * n_left * n_right);
         let block = n_sums.max(2);
+        let pair_of = |index: usize| ((index / 2) / n_right % n_left, (index / 2) % n_right);
+        let is_taken = |index: usize| !(one.skips && pair_of(index) == (1, 1));
         let mut sums = vec![None; one.sums.len()];
-        for (place, &(index, _)) in results.iter().enumerate() {
-            let next = results[place + 1..].iter().map(|&(index, _)| one.sums[index]);
-            let others: Vec<Value> = next.chain(others.iter().copied()).collect();
-            sums[index] = Some(self.summand(one.sums[index], at, &others));
+        for index in (0..one.sums.len()).filter(|&index| is_taken(index)) {
+            sums[index] = Some(self.summand(one.sums[index], at, &one.sums[index + 1..]));
         }
-        let x: [Register; X] = std::array::from_fn(|_| self.free_register(at));
+        let x: Vec<Register> = (0..n_left).map(|_| self.free_register(at)).collect();
         let y: [Vec<Register>; 2] = std::array::from_fn(|_| (0..n_right).map(|_| self.free_register(at)).collect());
         let (left_base, left) = self.addresses(&one.left)?;
         let (right_base, right) = self.addresses(&one.right)?;
         for (&to, &offset) in y[1].iter().zip(&right) {
             self.assembler.load(to, Place::Memory(right_base, offset));
         }
-        let step = i32::try_from(one.stride).ok()?.checked_mul(self.width)?;
-        step.checked_mul(2 * block as i32)?;
+        let width = self.width;
         let terms = |assembler: &mut Assembler, bases: [General; 2], term: usize| {
             let (new, before) = (&y[term % 2], &y[1 - term % 2]);
-            for (&to, &offset) in new.iter().zip(&right) {
-                assembler.load(to, Place::Memory(bases[1], offset - (1 + term as i32) * step));
+            for (&to, &offset) in x.iter().zip(&left) {
+                assembler.load(to, Place::Memory(bases[0], offset + term as i32 * width));
             }
-            let of_left = 2 * n_right;
-            for (a, &offset) in left.iter().enumerate() {
-                let first = of_left * (n_left * (term % n_sums) + a);
-                let of_sums = &sums[first..first + of_left];
-                if of_sums.iter().all(Option::is_none) {
-                    continue;
-                }
-                let x = x[a % X];
-                assembler.load(x, Place::Memory(bases[0], offset + term as i32 * step));
-                for (index, &sum) in of_sums.iter().enumerate() {
-                    let y = if index % 2 == 0 { new[index / 2] } else { before[index / 2] };
-                    if let Some(sum) = sum {
-                        assembler.operate(MUL_ADD_231, sum, x, Place::Register(y));
-                    }
+            for (&to, &offset) in new.iter().zip(&right) {
+                assembler.load(to, Place::Memory(bases[1], offset - (1 + term as i32) * width));
+            }
+            let of_term = 2 * n_left * n_right * (term % n_sums);
+            for index in of_term..of_term + 2 * n_left * n_right {
+                if let Some(sum) = sums[index] {
+                    let (a, b) = pair_of(index);
+                    let y = if index % 2 == 0 { new[b] } else { before[b] };
+                    assembler.operate(MUL_ADD_231, sum, x[a], Place::Register(y));
                 }
             }
         };
@@ -101,8 +62,8 @@ impl Emitter<'_> {
                 self.assembler.align();
                 let start = self.assembler.code.len();
                 (0..block).for_each(|term| terms(self.assembler, [R10, R11], term));
-                self.assembler.add_to(R10, block as i32 * step);
-                self.assembler.subtract_from(R11, block as i32 * step);
+                self.assembler.add_to(R10, block as i32 * width);
+                self.assembler.subtract_from(R11, block as i32 * width);
                 self.assembler.subtract_from(RAX, block as i32);
                 self.assembler.jump_back_if(Condition::NotBelow, start);
             }
@@ -122,8 +83,8 @@ impl Emitter<'_> {
                 }
             }
         }
-        for (index, result) in results {
-            let register = sums[index].expect("a sum that is formed");
+        for (number, result) in std::mem::take(&mut self.results[at]) {
+            let register = sums[number].expect("a sum that is formed");
             self.put(result, register);
             self.store(result);
             self.give_up_unused(result);
@@ -143,10 +104,7 @@ impl Emitter<'_> {
         of_value.into_iter().for_each(|register| self.is_pinned[register as usize] = true);
         let register = self.free_register(at);
         match of_value {
-            Some(from) => {
-                self.assembler.load(register, Place::Register(from));
-                self.is_pinned[from as usize] = false;
-            }
+            Some(from) => self.assembler.load(register, Place::Register(from)),
             None => self.load(register, value),
         }
         register

@@ -21,8 +21,7 @@ impl Emitter<'_> {
         if !BLOCK.is_multiple_of(n_sums) {
             return None;
         }
-        let results = std::mem::take(&mut self.results[at]);
-        let is_taken = |pair: usize| results.iter().any(|(sum, _)| sum / 2 == pair);
+        let is_taken = |pair: usize| !(one.skips && pair % n_products == n_right + 1);
         let mut pairs = vec![None; one.sums.len() / 2];
         for pair in (0..pairs.len()).filter(|&pair| is_taken(pair)) {
             pairs[pair] = Some(self.two_summands(&one.sums[2 * pair..], at));
@@ -92,7 +91,7 @@ impl Emitter<'_> {
             }
             ends.into_iter().for_each(|end| self.assembler.land(end));
         }
-        for (sum, result) in results {
+        for (sum, result) in std::mem::take(&mut self.results[at]) {
             let sums = pairs[sum / 2].expect("a sum that is formed");
             let register = if sum % 2 == 0 { sums } else { self.free_register(at) };
             if sum % 2 == 1 {
