@@ -18,7 +18,7 @@ DEGREES = {
     "leibniz-lagrange-5": 2, "lyapunov": 2, "manakov-so4": 2, "neumann": 2, "poincare-ellipsoidal-cavity": 1,
     "so21-heavy-top": 1, "so21-twisted-top": 2, "spherical-pendulum": 1, "steklov": 2, "three-wave": 2, "toda": 3,
     "twisted-lagrange": 2, "three-field-kovalevskaya": 4, "twisted-two-field-kovalevskaya": 4,
-    "two-field-kovalevskaya": 4, "two-field-spherical": 4,
+    "two-field-kovalevskaya": 4, "two-field-spherical": 4, "volterra-lattice-5": 2,
 }  # fmt: skip
 """The degree to which is searched, the largest of the integrals that are stated."""
 

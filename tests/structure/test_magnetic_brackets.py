@@ -138,8 +138,7 @@ def test_in_a_magnetic_bottle_the_error_halves_with_the_radius_of_gyration():
         errors.append(np.linalg.norm(full - end[:3]))
         assert errors[-1] < 3 * np.linalg.norm(v) / charge
     ratios = np.array(errors[:-1]) / errors[1:]
-    assert (ratios > 1.4).all(), ratios
-    assert (ratios < 2.8).all(), ratios
+    np.testing.assert_allclose(ratios, 2, atol=0.01)  # measured 2.0011, 2.0009
 
 
 @pytest.mark.thorough
