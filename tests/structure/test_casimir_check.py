@@ -44,6 +44,7 @@ def test_functions_are_decided_exactly(bracket, function, holds):
     assert certificate.holds is not bool(certificate.residual)
 
 
+@pytest.mark.thorough
 def test_what_hides_relations_is_tried_at_points_and_says_so():
     """log(2 x) - log(x) is a constant, which rational functions of the two logarithms do not know."""
     bracket = lp.so(3) @ lp.trivial()

@@ -57,6 +57,7 @@ def test_what_is_found_is_what_it_is_said_to_be(bracket, degree, n):
     assert jacobian.subs(point).subs("epsilon", 3).rank() == n
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["A3,3", "A3,4", "A4,4", "A4,8", "A3,3+A1"])
 def test_a_change_of_basis_changes_no_number_of_rational_casimirs(name):
     algebra = low_dimensional(name)

@@ -73,6 +73,7 @@ def numbers(algebra):
     return own, algebra.killing_signature(), spectrum(algebra) if algebra.is_solvable and codimension == 1 else None
 
 
+@pytest.mark.thorough
 def test_no_two_algebras_of_the_table_are_isomorphic():
     found = [numbers(low_dimensional(name, **values)) for name, values in ROWS]
     assert len({*found}) == len(ROWS)
@@ -147,6 +148,7 @@ def test_a_random_derivation_of_heisenbergs_algebra_is_found_with_its_eigenvalue
         assert np.allclose(sorted(numbers(again)[2]), sorted(values), atol=2e-4)
 
 
+@pytest.mark.thorough
 def test_there_are_no_others_in_dimension_three():
     r"""Over $\mathbb F_3$: the tensors that obey Jacobi are as many as $\sum_g |GL_3| / |\mathrm{Aut}\, g|$.
 
