@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from liepoisson.cli.options import Files
     from liepoisson.model.system import System
+    from liepoisson.model.vector_field import VectorField
 
 DATA_ENDINGS, TABLE_ENDINGS = (".nc", ".csv"), (".csv",)
 
@@ -57,7 +58,9 @@ def write_result(result: Any, path: Path) -> Path:
     return result.save(path) if path.suffix == ".nc" else result.to_csv(path)
 
 
-def result_files(files: Files, system: System, values: Sequence[str], what: str) -> tuple[Path | None, Path | None]:
+def result_files(
+    files: Files, system: System | VectorField, values: Sequence[str], what: str
+) -> tuple[Path | None, Path | None]:
     """What the result and the figure of a command are called, as `data_file` and `figure_stem` say.
 
     Where no name is given it is that of the system, without the values that were set, and `what`: "orbit".
@@ -66,7 +69,7 @@ def result_files(files: Files, system: System, values: Sequence[str], what: str)
     return data_file(files.out, f"{stem}.nc"), figure_stem(files.plot, files.figure, stem)
 
 
-def name_of_files(system: System, values: Sequence[str]) -> str:
+def name_of_files(system: System | VectorField, values: Sequence[str]) -> str:
     """How the names of files about a system begin."""
     return file_stem(system.name.removesuffix(setting_words(values)))
 

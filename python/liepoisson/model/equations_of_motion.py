@@ -80,12 +80,10 @@ class EquationsOfMotion:
     Attributes:
         name: How the equations are called in texts and files.
         source: Where they are described.
-        clock: Name of the coordinate that is time, if there is one.
     """
 
     name: str
     source: str | None
-    clock: str | None = None
     _kept_values: dict[str, Kept]
     _numbers: dict[str, Coefficient]
     _given_symbols: tuple[str, ...]
@@ -110,6 +108,11 @@ class EquationsOfMotion:
     def component_names(self) -> tuple[str, ...]:
         """Names of the coordinates, in the order of the state vector."""
         raise NotImplementedError
+
+    @property
+    def clock(self) -> str | None:
+        """Name of the coordinate that is time, if there is one."""
+        return None
 
     @property
     def parts_of_state(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.function_fields import RationalFunctions
@@ -140,7 +140,7 @@ def _root(e: Any) -> tuple[Any, int]:
     if e.is_Pow and e.exp.could_extract_minus_sign():
         return Pow(e.base, -e.exp), -1
     if isinstance(e, exp) and e.args[0].could_extract_minus_sign():
-        return exp(-e.args[0]), -1
+        return exp(-cast("Any", e.args[0])), -1
     return e, 1
 
 
