@@ -34,7 +34,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations\b|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
 NOT_READ = {
-    "algebras.Closure", "algebras.Cochain", "algebras.Derivations", "algebras.Identification",
+    "algebras.GeneratedAlgebra", "algebras.Cochain", "algebras.Derivations", "algebras.Identification",
     "algebras.LieCohomology", "algebras.LieDeformation", "algebras.Subspace", "brackets.CasimirCertificate",
     "brackets.CasimirReport", "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate",
     "brackets.Locus", "brackets.SemiInvariant", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",

@@ -47,13 +47,17 @@ VALUES = {"epsilon": "1/2", "I": [2, 3, "5/2"], "a": [1, "1/3", "1/5"], "b": ["1
 
 @pytest.mark.thorough
 def test_orbits_of_typed_systems_need_no_sympy():
-    """Of all entries of the catalog, and of systems with names, surds and sines in their brackets and parameters."""
+    """Of all entries of the catalog, and of systems with names, surds and sines in their brackets and parameters.
+
+    Only tensors that are given by formulas are read by SymPy.
+    """
     program = f"""
 import liepoisson as lp
 def entry(name):
     symbols = [text.partition("[")[0] for text in lp.catalog.entry(name).symbols]
     return lp.catalog.system(name, {{key: {VALUES!r}[key] for key in symbols}} or None)
-systems = {{name: entry(name) for name in lp.catalog.names()}}
+tensors = ("lotka-volterra-3", "lotka-volterra-4", "sklyanin", "volterra-lattice-5")
+systems = {{name: entry(name) for name in lp.catalog.names() if name not in tensors}}
 typed = "p_q^2/(2*m) - cos(q) + k*sqrt(1 + q^2) + exp(-q^2)/(1 + exp(-q^2))"
 systems["typed"] = lp.System(lp.canonical(names=["q"]), typed, parameters={{"m": "3/sqrt(2)", "k": "cos(pi/5)"}})
 constant = (lp.so(3) @ lp.trivial()).with_constant({{("l1", "l2"): "k/3", ("l2", "l3"): "sqrt(2)/pi"}})

@@ -1,5 +1,5 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
-from liepoisson.structure.lie.closure import Closure as Closure
+from liepoisson.structure.lie.closure import GeneratedAlgebra as GeneratedAlgebra
 from liepoisson.structure.lie.closure import closure as closure
 from liepoisson.structure.lie.cochains import Cochain as Cochain
 from liepoisson.structure.lie.cohomology import LieCohomology as LieCohomology

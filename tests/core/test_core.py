@@ -44,7 +44,7 @@ GOOD = {
         _core.carry_frames,
         (TOP, TAYLOR, STATE, AXIS, 1, np.ones(9), np.zeros(1), 0.5, 3, 3, True, 1, 0.2, None),
     ),
-    "sections": (_core.sections, (TOP, TAYLOR, PLANE, STATE, TIMES, 0, None, [], 1, 0.2, None)),
+    "sections": (_core.sections, (TOP, TAYLOR, PLANE, False, STATE, TIMES, 0, None, [], 1, 0.2, None)),
     "modular_null_space": (_core.modular_null_space, (*MATRIX, 101, None, 0.2, None)),
 }
 HOSTILE = [
@@ -131,7 +131,7 @@ def run(*, field=TOP, method=TAYLOR, states=STATE, tangents=STATE[:0], n_tangent
 
 
 def cross(*, direction=0, n_crossings=None):
-    return _core.sections(TOP, TAYLOR, PLANE, STATE, TIMES, direction, n_crossings, [], 1, 5.0, None)
+    return _core.sections(TOP, TAYLOR, PLANE, False, STATE, TIMES, direction, n_crossings, [], 1, 5.0, None)
 
 
 @pytest.mark.thorough

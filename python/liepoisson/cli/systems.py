@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
@@ -68,7 +69,7 @@ def _with_numbers(file: F, settings: Sequence[str]) -> F:
         file = file.with_constant_integrals()
     name = file.name + setting_words(settings)
     fits = name.isprintable() and len(name) <= MAX_TITLE  # else it is called as in its file
-    return file.called(name if fits else file.name)
+    return _replaced(file, name=name if fits else file.name)
 
 
 def _is_path(argument: str) -> bool:
@@ -105,7 +106,7 @@ def with_settings(file: F, settings: Sequence[str]) -> F:
             file = file.with_parameters({name: value})
         except ParameterError as error:
             raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error}") from error
-    return file.called(title) if settings else file
+    return _replaced(file, name=title) if settings else file
 
 
 def with_symbols(file: F, settings: Sequence[str], names: Sequence[str]) -> F:
@@ -125,7 +126,11 @@ def with_symbols(file: F, settings: Sequence[str], names: Sequence[str]) -> F:
             )
         del values[name]
         declared.append(f"{name}[{shape[0]}]" if shape else name)
-    return file.with_values(values, tuple(declared)) if names else file
+    return _replaced(file, parameters=values, symbols=tuple(declared)) if names else file
+
+
+def _replaced(file: F, **changes: Any) -> F:
+    return replace(cast("Any", file), **changes)
 
 
 def setting_words(settings: Sequence[str]) -> str:

@@ -46,9 +46,14 @@ def pieces_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Piece
 
     Raises:
         ParameterError: a parameter is symbolic, or a coefficient does not fit into a double.
-        UnsupportedFieldError: the Hamiltonian is not a polynomial, or needs more than 1000 pieces; or the bracket has a
-            constant part, so that the flow of a piece is not linear in the state.
+        UnsupportedFieldError: the Hamiltonian is not a polynomial, or needs more than 1000 pieces; or the bracket is
+            not linear or has a constant part, so that the flow of a piece is not linear in the state.
     """
+    if not bracket.is_linear:
+        raise UnsupportedFieldError(
+            f"splitting: wanted a bracket that is linear in the state; got {bracket!r}; use the Taylor or a Gauss "
+            "method"
+        )
     if bracket.constant:
         raise UnsupportedFieldError(
             f"splitting: wanted a bracket that is linear in the state; got {bracket!r}, which has a constant part; use "

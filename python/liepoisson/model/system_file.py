@@ -158,14 +158,6 @@ class EquationsFile:
         """The file without those of its integrals that are not found constant, as with other values of parameters."""
         raise NotImplementedError
 
-    def called(self, name: str) -> Self:
-        """The file under another name."""
-        return replace(cast("Any", self), name=name)
-
-    def with_values(self, parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Self:
-        """The file with these values of parameters, and these symbols without value, as declared."""
-        return replace(cast("Any", self), parameters=parameters, symbols=symbols)
-
     def error(self, keys: tuple[str, ...], message: str) -> SystemFileError:
         """An error about the value of a key, with its line where the text is known; to be raised."""
         return (self.toml or TomlText(self.path, "", {})).error(keys, message)

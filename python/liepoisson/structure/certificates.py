@@ -3,7 +3,7 @@ r"""Proofs about a bracket as objects that say what was computed: the Jacobi ide
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
 from math import comb, lcm
@@ -136,7 +136,7 @@ class CasimirCertificate:
     function: Expr
     holds: bool
     proved: bool
-    residual: Mapping[str, Expr]
+    residual: Mapping[str, Expr] = field(hash=False)
     method: str
 
     def __str__(self) -> str:

@@ -239,17 +239,17 @@ def _read(name: str, a: Parameter | None, b: Parameter | None) -> tuple[list[str
 
 def _holds(text: str, values: Mapping[str, Any]) -> bool:
     """Whether numbers obey a range such as "-1 <= a <= b, a != 0"."""
-    from sympy import sympify
+    from sympy import Integer
 
     def number(word: str) -> Any:
         plain = word.strip().strip("|")
-        value = values[plain] if plain in values else int(plain)
+        value = values[plain] if plain in values else Integer(int(plain))
         return abs(value) if "|" in word else value
 
     for part in text.split(","):
         words = re.split(r"(<=|>=|!=|<|>)", part)
         for left, sign, right in zip(words[::2], words[1::2], words[2::2], strict=False):
-            difference: Any = sympify(number(right)) - number(left)
+            difference: Any = number(right) - number(left)
             relations = {
                 "<": difference.is_positive, "<=": difference.is_nonnegative, ">": difference.is_negative,
                 ">=": difference.is_nonpositive, "!=": not difference.is_zero,

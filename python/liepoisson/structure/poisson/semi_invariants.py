@@ -16,7 +16,7 @@ Zassenhaus, J. Math. Phys. 17 (1976) 986.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations_with_replacement
 from math import comb
@@ -64,7 +64,7 @@ class SemiInvariant:
     """
 
     function: Expr
-    weight: Mapping[str, Expr]
+    weight: Mapping[str, Expr] = field(hash=False)
     degree: int
 
 
