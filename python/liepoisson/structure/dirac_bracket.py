@@ -13,7 +13,6 @@ References: Dirac, Canad. J. Math. 2 (1950) 129; [marsden1999], section 8.5.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
@@ -21,6 +20,7 @@ from liepoisson.errors import BracketError, ConstraintError, ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.constraint_surface import ConstraintSurface
+from liepoisson.structure.poisson.pfaffians import pfaffian_of
 from liepoisson.structure.tensor_bracket import PoissonTensor, listed_functions, read_function, scope_of, tensor_of
 from liepoisson.structure.tensor_sources import entries_of, known_casimirs
 
@@ -90,19 +90,7 @@ def _adjugate(C: list[list[Any]], field: Coefficients) -> tuple[list[list[Any]],
         ConstraintError: the Pfaffian is zero, or there is none.
     """
     m = len(C)
-
-    @cache
-    def pfaffian(rows: tuple[int, ...]) -> Any:
-        if not rows:
-            return field.one
-        first, rest = rows[0], rows[1:]
-        terms = (
-            C[first][b] * pfaffian(rest[:k] + rest[k + 1 :]) * field.number((-1) ** k)
-            for k, b in enumerate(rest)
-            if C[first][b]
-        )
-        return sum(terms, field.zero)
-
+    pfaffian = pfaffian_of(lambda a, b: C[a][b], zero=field.zero, one=field.one)
     every = tuple(range(m))
     whole = pfaffian(every) if m % 2 == 0 else field.zero
     if not whole:

@@ -32,7 +32,7 @@ from liepoisson.errors import BracketError, ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure import casimirs as search
 from liepoisson.structure.poisson.casimir_search import MAX_WORK
-from liepoisson.structure.poisson.pfaffians import pfaffians
+from liepoisson.structure.poisson.pfaffians import pfaffian_of
 from liepoisson.structure.strata import Locus, Stratum
 
 if TYPE_CHECKING:
@@ -173,9 +173,11 @@ def _strata_by_pfaffians(bracket: PoissonTensor) -> list[Stratum] | None:
     found: list[Stratum] = []
     try:
         entries = {pair: polynomial(entry, context) for pair, entry in bracket.formulas.entries.items()}
-        here = groebner_basis([context.constant(0)], budget)
+        nothing = context.constant(0)
+        pfaffian = pfaffian_of(lambda i, j: entries.get((i, j), nothing), zero=nothing, one=context.constant(1))
+        here = groebner_basis([nothing], budget)
         for size in range(bracket.rank(), -1, -2):
-            functions = [_square_free(p) for p in pfaffians(entries, n, size)] if size else [context.constant(1)]
+            functions = [_square_free(p) for rows in combinations(range(n), size) if (p := pfaffian(rows))]
             if not all(radical_contains(here, p, budget) for p in functions):
                 below = components([*here.polynomials, *functions], Assumptions(is_real=True), budget)
                 others = [q for p in functions if (q := here.remainder(p))] if below else []

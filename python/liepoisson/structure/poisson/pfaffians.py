@@ -7,7 +7,7 @@ On the set where two fields are parallel, polynomials are taken at $u = s\,n$, $
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
@@ -105,22 +105,25 @@ class PfaffianIdeal:
         return known[rows]
 
 
-def pfaffians(entries: Mapping[tuple[int, int], Any], n: int, size: int) -> list[Any]:
-    """The nonzero Pfaffians of the principal blocks of a size, of a matrix whose entries (i, j), i < j, are given."""
+def pfaffian_of(entry: Callable[[int, int], Any], *, zero: Any = 0, one: Any = 1) -> Callable[[tuple[int, ...]], Any]:
+    """The Pfaffian of the block of some rows, of an antisymmetric matrix by its entries (i, j), i < j.
+
+    By the expansion along the first row; each block is computed once.  Entries may be of any ring.
+    """
 
     @cache
     def of(rows: tuple[int, ...]) -> Any:
         if not rows:
-            return 1
+            return one
         first, rest = rows[0], rows[1:]
-        terms = [
-            (-1) ** k * entries[first, partner] * of(rest[:k] + rest[k + 1 :])
-            for k, partner in enumerate(rest)
-            if (first, partner) in entries
-        ]
-        return sum(terms[1:], start=terms[0]) if terms else 0
+        total = zero
+        for k, partner in enumerate(rest):
+            if factor := entry(first, partner):
+                term = factor * of(rest[:k] + rest[k + 1 :])
+                total = total - term if k % 2 else total + term
+        return total
 
-    return [found for rows in combinations(range(n), size) if (found := of(rows)) != 0]
+    return of
 
 
 Blocks = Sequence[tuple[int, ...]]
