@@ -778,9 +778,9 @@ fn the_order_of_a_series_follows_from_the_tape() {
     assert_eq!([2, 15, 64].map(|wanted| order(&double_pendulum(), 1e-10, Some(wanted))), [2, 15, 64]);
 }
 
-/// Long enough for the expansions to be compiled, where they can be.
+/// Long enough for the expansions to be compiled, where they can be. tests/portable has orbits without compiled code.
 #[test]
-fn orbits_of_compiled_code_are_those_of_the_kernels() {
+fn orbits_have_the_same_bits_in_compiled_code_of_any_width() {
     // q'' = -sin q - q/(3 + q^2), with a large angle in the last lane but one
     let parts: [(&str, &[usize], &[f64]); 6] = [
         ("sin", &[0], &[]),
@@ -815,7 +815,8 @@ fn orbits_of_compiled_code_are_those_of_the_kernels() {
         for threads in [1, 2] {
             let field = field();
             assert_eq!(of(&field, simd, threads), expected, "{}, {threads} threads", simd.name());
-            let compiles = cfg!(target_os = "linux") && matches!(simd, Simd::Avx2 | Simd::Avx512);
+            // code for single numbers is made of the same instructions
+            let compiles = cfg!(target_os = "linux") && Simd::Avx2.is_available();
             assert_eq!(field.kernel(simd) != simd.name(), compiles, "{}", field.kernel(simd));
         }
     }
