@@ -69,7 +69,7 @@ def average_drift(
     """
     states = as_starts(system, starts, as_field(system).n_components)
     periods, names = periods_of_components(system, states.shape[1]), component_names(system, states.shape[1])
-    kept = np.array([name != getattr(system, "clock", None) for name in names])
+    kept = [k for k, name in enumerate(names) if name != getattr(system, "clock", None)]
     end = as_time(t_end, "t_end", example=1000)
     drift, outcome = np.full(len(states), np.nan), np.full(len(states), "not finite", dtype="<U16")
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
@@ -94,7 +94,7 @@ def average_drift(
             )
             outcome[some] = orbit.outcome
             arrived = orbit.outcome == "finished"
-            drift[some[arrived]] = _change(_functions(orbit.state[arrived, :-1][..., kept], periods[kept]))
+            drift[some[arrived]] = _change(_functions(np.take(orbit.state[arrived, :-1], kept, axis=-1), periods[kept]))
             n_done += len(some)
             options.tell(n_done / len(good))
     return drift, outcome
