@@ -57,6 +57,7 @@ The formulas are those of `liepoisson.formula.expression`.  No text of a file is
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -133,7 +134,7 @@ class Reference:
 
 
 @explains_its_methods
-class EquationsFile:
+class EquationsFile(ABC):
     """A file with names, values of parameters and claims: what files of systems and of vector fields share.
 
     Those that are dataclasses say which names their formulas may use (`scope`) and what they describe (`system`).
@@ -146,17 +147,17 @@ class EquationsFile:
     toml: TomlText | None
 
     @cached_property
+    @abstractmethod
     def scope(self) -> Scope:
         """The names that the formulas of the file may use."""
-        raise NotImplementedError
 
+    @abstractmethod
     def system(self) -> Any:
         """What the file describes."""
-        raise NotImplementedError
 
+    @abstractmethod
     def with_constant_integrals(self) -> Self:
         """The file without those of its integrals that are not found constant, as with other values of parameters."""
-        raise NotImplementedError
 
     def error(self, keys: tuple[str, ...], message: str) -> SystemFileError:
         """An error about the value of a key, with its line where the text is known; to be raised."""
