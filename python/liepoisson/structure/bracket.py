@@ -11,7 +11,7 @@ from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, cast
 
 from liepoisson.algebra.exact_numbers import as_expression, exact, substituted, symbols_of, to_sympy
 from liepoisson.errors import BracketError, ParameterError, ShapeError
@@ -158,7 +158,7 @@ class Bracket:
         made.angles = self.angles
         return made
 
-    def with_angles(self, angles: Sequence[str]) -> Bracket:
+    def with_angles(self, angles: Sequence[str]) -> Self:
         r"""The same bracket, of which these coordinates are angles: points of a circle, modulo $2\pi$.
 
         Hamiltonians must then be periodic in them; sections of an angle are taken modulo a turn, and averages and
@@ -273,7 +273,7 @@ class Bracket:
 
     def with_casimirs(
         self, casimirs: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
-    ) -> Bracket:
+    ) -> Self:
         """The same bracket with these known Casimirs in place of its own.
 
         Example:

@@ -37,6 +37,7 @@ from liepoisson.structure.given_expressions import (
     read_expression_in,
     with_exact_numbers,
 )
+from liepoisson.structure.poisson.casimir_check import checked_casimirs
 from liepoisson.structure.poisson.tensor_entries import N_POINTS, TensorEntries
 
 if TYPE_CHECKING:
@@ -117,7 +118,8 @@ class PoissonTensor(Bracket):
         title = name if name is None else check_title(name, "the name of a bracket", None)
         self._define(names, _read_entries(entries, names, scope), title)
         self._jacobi = self._checked_jacobi() if check else "not checked"
-        self.given_casimirs = self._read_casimirs(casimirs, scope)
+        functions = listed_functions(casimirs, "casimirs", '["x*y*z"]')
+        self.given_casimirs = checked_casimirs(self, [read_function(one, scope, "a Casimir") for one in functions])
         self.angles = self.with_angles(angles).angles
 
     def _define(self, names: tuple[str, ...], formulas: Mapping[tuple[int, int], Expr], name: str | None) -> None:
@@ -190,24 +192,6 @@ class PoissonTensor(Bracket):
     def kept_entries(self) -> tuple[tuple[int, int, int | None, Exact], ...]:
         """The same as `terms`: formulas are SymPy's."""
         return self.terms()
-
-    def with_casimirs(
-        self, casimirs: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
-    ) -> PoissonTensor:
-        """The same bracket with these known Casimirs in place of its own.
-
-        Args:
-            casimirs: The functions.
-            symbols: Names in them that stay symbolic, besides those of the bracket.
-
-        Raises:
-            BracketError: a function is no Casimir.
-            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-            ParameterError: a function is neither a text nor an expression.
-        """
-        made = self._mapped(self.coordinate_names_in_order, lambda f: f)
-        made.given_casimirs = self._read_casimirs(casimirs, scope_of(self, symbols))
-        return made
 
     def rename(self, *field_names: str) -> PoissonTensor:
         """The same bracket with other names for its coordinates, one by one.
@@ -412,21 +396,6 @@ class PoissonTensor(Bracket):
         if not self.is_linear:
             raise self._refusal("a constant part")
         return super().coboundary()
-
-    def _read_casimirs(self, given: Any, scope: Scope) -> tuple[Expr, ...]:
-        given = listed_functions(given, "casimirs", '["x*y*z"]')
-        functions = [read_function(one, scope, "a Casimir") for one in given]
-        for function in functions:
-            if not function.free_symbols & {*self.variables}:
-                raise BracketError(
-                    f"a Casimir must depend on the coordinates; got {function}, a constant. Leave it out."
-                )
-            if image := self.formulas.image(function):
-                raise BracketError(
-                    f"a Casimir C must have J grad C = 0; of {function!s:.60} a component is {image[0]!s:.60}, which "
-                    "is not found zero. Correct it, or write it so that it cancels."
-                )
-        return tuple(functions)
 
     def _refusal(self, what: str) -> BracketError:
         return BracketError(
