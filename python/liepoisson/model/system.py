@@ -28,7 +28,8 @@ from liepoisson.model.hamiltonian import (
     scope_of,
 )
 from liepoisson.model.time_dependence import check_period, given_text, suspended
-from liepoisson.structure.bracket import Bracket, with_coefficients
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.coordinates import with_coefficients
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.given_expressions import check_real
 from liepoisson.structure.lie_algebra import LieAlgebra
