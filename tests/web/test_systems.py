@@ -38,11 +38,11 @@ SURFACES = {"pendulum": ["x"]}
 UNTIL = {
     "manakov-so4": 200.0,
     "zeitlin-3": 100.0,
-    "pendulum": 200.0,
-    "shaken pendulum": 200.0,
-    "two frequencies": 200.0,
+    "pendulum": 60.0,
+    "shaken pendulum": 60.0,
+    "two frequencies": 60.0,
 }
-"""Times up to which rounding stays small: the second is chaotic, with an exponent of 0.1."""
+"""Times up to which rounding stays small: the second is chaotic, with an exponent of 0.1, and the others turn and turn."""
 BOUND = 1e-9
 """Of differences of times, states and exponents."""
 
