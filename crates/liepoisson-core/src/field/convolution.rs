@@ -201,6 +201,9 @@ impl<'r, V: Lane> Series<'r, V> {
     #[inline(always)]
     pub fn of_state<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> Sums<V, Q, S, A> {
         let mut sums = Sums::zero();
+        if V::IS_RECORDED && self.is_recorded([&mut sums], [0], tile) {
+            return sums;
+        }
         let (mut x, mut y) = self.readers(0, tile);
         let (rows, columns) = (tile.rows, tile.first_columns());
         for _ in 0..self.k + 1 {
@@ -225,6 +228,9 @@ impl<'r, V: Lane> Series<'r, V> {
         t: usize,
     ) -> Sums<V, Q, S, A> {
         let mut sums = Sums::zero();
+        if V::IS_RECORDED && self.is_recorded([&mut sums], [t], tile) {
+            return sums;
+        }
         let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(t, tile));
         let (rows, columns) = (tile.rows, tile.first_columns());
         for _ in 0..self.k + 1 {
@@ -249,6 +255,9 @@ impl<'r, V: Lane> Series<'r, V> {
     #[inline(always)]
     pub fn of_both<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> [Sums<V, Q, S, A>; 2] {
         let (mut sums, mut d_sums) = (Sums::zero(), Sums::zero());
+        if V::IS_RECORDED && self.is_recorded([&mut sums, &mut d_sums], [0, 1], tile) {
+            return [sums, d_sums];
+        }
         let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(1, tile));
         let (rows, columns) = (tile.rows, tile.first_columns());
         for _ in 0..self.k + 1 {
@@ -268,6 +277,52 @@ impl<'r, V: Lane> Series<'r, V> {
             dy.back(self.row);
         }
         [sums, d_sums]
+    }
+
+    /// Whether the sums of these groups are recorded as a loop, from order 1 on: what is read is memory, as it is not in straight code
+    /// that asks for rates.
+    fn is_recorded<const G: usize, const Q: usize, const S: usize, const A: usize>(
+        &self,
+        to: [&mut Sums<V, Q, S, A>; G],
+        groups: [usize; G],
+        tile: &Tile,
+    ) -> bool {
+        if self.k == 0 {
+            return false;
+        }
+        // of the state, and of the tangent vector if there is one
+        let tangent = groups[G - 1];
+        let starts = [0, tangent * self.group];
+        let n_kinds = 1 + usize::from(tangent > 0);
+        let of = |order: usize, indices: &[usize]| -> Vec<V> {
+            let registers = indices.iter().flat_map(|&i| starts[..n_kinds].iter().map(move |&start| start + i));
+            registers.map(|register| self.known[order * self.row + register]).collect()
+        };
+        let (left, right) = (of(0, &tile.rows[..S + A]), of(self.k, &tile.columns[..Q]));
+        let mut products = vec![];
+        for p in 0..S + A {
+            let n_columns = if p < S { Q } else { 1 };
+            let sum = |g: usize, q: usize| g * (Q * S + A) + if p < S { p * Q + q } else { Q * S + p - S };
+            for (g, &group) in groups.iter().enumerate() {
+                let (x, y) = (n_kinds * p, |q: usize| n_kinds * q);
+                if group == 0 {
+                    products.extend((0..n_columns).map(|q| [sum(g, q), x, y(q)]));
+                } else {
+                    products.extend((0..n_columns).map(|q| [sum(g, q), x, y(q) + 1]));
+                    products.extend((0..n_columns).map(|q| [sum(g, q), x + 1, y(q)]));
+                }
+            }
+        }
+        let mut sums: Vec<V> = to.iter().flat_map(|sums| sums.in_order()[..Q * S + A].to_vec()).collect();
+        if !V::record_sums(&mut sums, &left, &right, products, self.row, self.k + 1) {
+            return false;
+        }
+        for (to, sums) in to.into_iter().zip(sums.chunks_exact(Q * S + A)) {
+            for (m, &sum) in sums.iter().enumerate() {
+                if m < Q * S { to.shared[m / Q][m % Q] = sum } else { to.single[m - Q * S] = sum }
+            }
+        }
+        true
     }
 }
 

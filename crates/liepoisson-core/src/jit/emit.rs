@@ -6,12 +6,13 @@
 mod products;
 mod products_of_one;
 mod registers;
+mod sums;
 
 use super::assembler::*;
 use super::constants::Constants;
 use super::shape::{Relative, Shape};
 use crate::lanes::Instructions;
-use crate::lanes::recorded::{Loop, Operation, Value};
+use crate::lanes::recorded::{Loop, Operation, Terms, Value};
 
 /// The bases of addresses.
 pub(super) const BASES: [General; 4] = [RDI, RSI, RDX, R8];
@@ -261,10 +262,16 @@ impl<'a> Emitter<'a> {
                 self.assembler.operate(ADD_OF_INTEGERS, to, to, one);
             }
             Operation::Call(function, x) => self.call(value, function, x),
-            Operation::Loop(one) if self.assembler.instructions == Instructions::VexOne => {
-                self.products_of_one(value, &self.shape.loops[one], one)?;
+            Operation::Loop(number) => {
+                let one = &self.shape.loops[number];
+                match one.terms {
+                    Terms::OfOneOrder { ref products, .. } => self.sums(value, one, products, number)?,
+                    Terms::OfTwoOrders { skips } if self.assembler.instructions == Instructions::VexOne => {
+                        self.products_of_one(value, one, skips, number)?;
+                    }
+                    Terms::OfTwoOrders { skips } => self.products(value, one, skips, number)?,
+                }
             }
-            Operation::Loop(one) => self.products(value, &self.shape.loops[one], one)?,
         }
         if self.register_of[at].is_some() {
             self.store(value);

@@ -58,14 +58,42 @@ impl Operation {
     }
 }
 
-/// A loop that adds products to sums; see [`Lane::record_products`].
+/// A loop that adds products to sums.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Loop {
     pub(crate) sums: Vec<Value>,
     pub(crate) left: Vec<Value>,
     pub(crate) right: Vec<Value>,
-    pub(crate) skips: bool,
+    pub(crate) terms: Terms,
     pub(crate) count: usize,
+}
+
+/// What a loop adds to which sums.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Terms {
+    /// See [`Lane::record_products`].
+    OfTwoOrders { skips: bool },
+    /// See [`Lane::record_sums`].
+    OfOneOrder { products: Vec<[usize; 3]>, step: usize },
+}
+
+impl Loop {
+    /// From the first coefficients that so many terms read, of left series to those behind and of right ones to those before: how
+    /// many registers there are to the last.
+    pub(crate) fn reach(&self, count: usize) -> [usize; 2] {
+        match self.terms {
+            Terms::OfTwoOrders { .. } => [count.saturating_sub(1), count],
+            Terms::OfOneOrder { step, .. } => [step * count.saturating_sub(1); 2],
+        }
+    }
+
+    /// How many registers lie between a coefficient and the next.
+    pub(crate) fn step(&self) -> usize {
+        match self.terms {
+            Terms::OfTwoOrders { .. } => 1,
+            Terms::OfOneOrder { step, .. } => step,
+        }
+    }
 }
 
 /// What a piece of code does with its memory, in the order in which it was asked for.
@@ -108,7 +136,8 @@ impl Trace {
             sums: of(&one.sums),
             left: of(&one.left),
             right: of(&one.right),
-            ..*one
+            terms: one.terms.clone(),
+            count: one.count,
         });
         Recording { operations, loops: loops.collect(), memory: of(&self.memory) }
     }
@@ -243,17 +272,33 @@ impl Lane for Recorded {
     }
 
     fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], skips: bool, count: usize) -> bool {
-        let values = |registers: &[Self]| registers.iter().map(|register| register.value()).collect();
-        let recorded = Loop { sums: values(sums), left: values(left), right: values(right), skips, count };
-        let number = TRACE.with_borrow_mut(|trace| {
-            trace.loops.push(recorded);
-            trace.loops.len() - 1
-        });
-        let products = put(Operation::Loop(number)).value();
-        for (result, sum) in sums.iter_mut().enumerate() {
-            *sum = put(Operation::Result(products, result));
-        }
+        put_loop(sums, left, right, Terms::OfTwoOrders { skips }, count);
         true
+    }
+
+    fn record_sums(
+        sums: &mut [Self],
+        left: &[Self],
+        right: &[Self],
+        products: Vec<[usize; 3]>,
+        step: usize,
+        count: usize,
+    ) -> bool {
+        put_loop(sums, left, right, Terms::OfOneOrder { products, step }, count);
+        true
+    }
+}
+
+fn put_loop(sums: &mut [Recorded], left: &[Recorded], right: &[Recorded], terms: Terms, count: usize) {
+    let values = |registers: &[Recorded]| registers.iter().map(|register| register.value()).collect();
+    let recorded = Loop { sums: values(sums), left: values(left), right: values(right), terms, count };
+    let number = TRACE.with_borrow_mut(|trace| {
+        trace.loops.push(recorded);
+        trace.loops.len() - 1
+    });
+    let products = put(Operation::Loop(number)).value();
+    for (result, sum) in sums.iter_mut().enumerate() {
+        *sum = put(Operation::Result(products, result));
     }
 }
 

@@ -51,6 +51,37 @@ impl Key {
     }
 }
 
+/// A field whose expansion is compiled.
+pub(in crate::field) trait Expanded: Field {
+    /// Instructions that its rates take.
+    fn work(&self) -> usize;
+
+    /// Whether an order of a series of so many is one piece of code with the order before.
+    fn is_second(&self, _k: usize, _n_orders: usize) -> bool {
+        false
+    }
+
+    /// So many registers are kept to the end; others as far as a later order reads them.
+    fn n_kept(&self, n_tangents: usize, order: usize) -> usize;
+}
+
+impl Expanded for Tape {
+    fn work(&self) -> usize {
+        self.instructions.len()
+    }
+
+    /// Its sums are formed along with those of the order before.
+    fn is_second(&self, k: usize, n_orders: usize) -> bool {
+        Frame::is_second(k, n_orders)
+    }
+
+    /// Series are kept up to the last order, so that it shares code.
+    fn n_kept(&self, n_tangents: usize, order: usize) -> usize {
+        let n_series = self.program.state.series + n_tangents * self.program.tangent.series;
+        (self.row(n_tangents) + n_series) * (order + 1)
+    }
+}
+
 #[derive(Debug)]
 struct Plan {
     key: Key,
@@ -62,12 +93,18 @@ struct Plan {
 }
 
 impl Compiled {
-    /// Expands a tape up to `order`, as [`Field::expand`] does, if the code for that is there. False, and nothing, if not.
+    /// Expands a field up to `order`, as [`Field::expand`] does, if the code for that is there. False, and nothing, if not.
     #[inline(always)]
-    pub(super) fn expand<V: Lane>(&self, tape: &Tape, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
+    pub(in crate::field) fn expand<V: Lane>(
+        &self,
+        field: &impl Expanded,
+        rows: &mut [V],
+        n_tangents: usize,
+        order: usize,
+    ) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::series(instructions, n_tangents, order, rows.len());
-        self.run_for(key, rows, |stage| compile_series::<V>(tape, n_tangents, order, key.registers, stage))
+        self.run_for(key, rows, |stage| compile_series::<V>(field, n_tangents, order, key.registers, stage))
     }
 
     /// Runs straight code: [`Field::run_compiled`], of a field whose rates take so many instructions.
@@ -160,32 +197,29 @@ impl Stage {
 }
 
 fn compile_series<V: Lane>(
-    tape: &Tape,
+    field: &impl Expanded,
     n_tangents: usize,
     order: usize,
     registers: usize,
     stage: Stage,
 ) -> Option<Code> {
-    if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
+    if field.work() * (1 + n_tangents) * order > MOST_WORK {
         return None;
     }
-    let (row, n_orders) = (tape.row(n_tangents), order + 1);
-    // an order whose sums are formed along with those of the order before is one piece with that
-    let is_second = |k: usize| k < order && Frame::is_second(k, n_orders);
+    let is_second = |k: usize| k < order && field.is_second(k, order + 1);
     let source = |k: usize| Source {
         trace: Recorded::trace(registers, |rows| {
             for k in k..=k + usize::from(is_second(k + 1)) {
-                tape.derive_work(rows, n_tangents, k);
-                tape.extend(rows, n_tangents, k);
+                field.derive_work(rows, n_tangents, k);
+                field.extend(rows, n_tangents, k);
             }
         }),
         k,
-        bases: [k, k / 2, k * row],
+        bases: [k, k / 2, k * field.row(n_tangents)],
     };
-    // series are kept up to the last order, so that it shares code; single registers as far as a later order reads them
-    let n_series = tape.program.state.series + n_tangents * tape.program.tangent.series;
     let sources: Vec<Source> = (0..order).filter(|&k| !is_second(k)).map(source).collect();
-    stage.make::<V>(registers, sources, |register| register < (row + n_series) * n_orders)
+    let n_kept = field.n_kept(n_tangents, order);
+    stage.make::<V>(registers, sources, |register| register < n_kept)
 }
 
 fn compile_straight<V: Lane>(work: usize, straight: &impl Straight, registers: usize, stage: Stage) -> Option<Code> {
