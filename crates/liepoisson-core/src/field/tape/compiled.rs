@@ -1,5 +1,5 @@
-//! Expansions of a tape, and straight code that asks for the rates of a field, as compiled code: made when a run turns out to be long,
-//! once for all threads.
+//! Expansions of a field, and straight code that asks for its rates, as compiled code: made when a run turns out to be long, once for
+//! all threads.
 
 use super::Tape;
 use super::elementary::Called;
@@ -26,7 +26,7 @@ const WORTH_A_LOOK: u64 = 100;
 /// 100 MB.
 const MOST_WORK: usize = 1 << 17;
 
-/// Code of a tape for each kind of registers and purpose.
+/// Code of a field for each kind of registers and purpose.
 #[derive(Debug, Default)]
 pub(in crate::field) struct Compiled(OnceLock<Box<Plan>>);
 
@@ -420,8 +420,62 @@ mod tests {
         }
     }
 
+    /// The same of a field of degree two, all of whose registers are components.
+    struct BothOfDegreeTwo<'f> {
+        field: &'f Quadratic,
+        n_tangents: usize,
+        order: usize,
+        starts: &'f [f64],
+    }
+
+    impl Task for BothOfDegreeTwo<'_> {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            let BothOfDegreeTwo { field, n_tangents, order, starts } = self;
+            if V::INSTRUCTIONS.is_none() {
+                return;
+            }
+            let (registers, row, group) = (field.registers(n_tangents, order), field.row(n_tangents), field.group());
+            let mut rows = vec![V::splat(0.0); registers];
+            let mut numbers = starts.iter().cycle();
+            for first in (0..row).step_by(group) {
+                let components = &mut rows[first..first + field.n_components()];
+                as_scalars_mut(components).fill_with(|| *numbers.next().unwrap());
+            }
+            let mut compiled = rows.clone();
+            (0..order).for_each(|k| field.extend(&mut rows, n_tangents, k));
+            let code = compile_series::<V>(field, n_tangents, order, registers, Stage::Compile)
+                .expect("a field that can be compiled");
+            assert!(code.run(&mut compiled));
+            for (i, (x, y)) in as_scalars(&rows).iter().zip(as_scalars(&compiled)).enumerate() {
+                let at = (i / V::WIDTH / row, i / V::WIDTH % row, i % V::WIDTH);
+                assert!(x.to_bits() == y.to_bits() || x.is_nan() && y.is_nan(), "{x} {y} at {at:?}");
+            }
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(100))]
+
+        #[test]
+        fn compiled_series_of_degree_two_have_the_bits_of_the_kernels(
+            n in 1..10_usize,
+            parts in proptest::collection::vec((any::<[u16; 3]>(), prop_oneof![3 => -2.0..2.0_f64, 1 => Just(1.0), 1 => Just(-4.0)]), 1..60),
+            n_tangents in 0..4_usize,
+            order in 1..30_usize,
+            starts in proptest::collection::vec(
+                prop_oneof![8 => -1.5..1.5_f64, 1 => Just(0.0), 1 => Just(-0.0), 1 => Just(1e300), 1 => Just(f64::NAN)], 1..40
+            ),
+        ) {
+            let at = |indices: &[u16; 3], i: usize| indices[i] as usize % n;
+            let linear: Vec<_> = parts.iter().step_by(3).map(|(on, c)| (at(on, 0), at(on, 1), *c)).collect();
+            let quadratic: Vec<_> = parts.iter().map(|(on, c)| (at(on, 0), at(on, 1), at(on, 2), *c)).collect();
+            let field = Quadratic::new(n, &[(0, 0.5)], &linear, &quadratic).unwrap();
+            for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
+                dispatch(simd, BothOfDegreeTwo { field: &field, n_tangents, order, starts: &starts });
+            }
+        }
 
         #[test]
         fn compiled_rates_of_degree_two_have_the_bits_of_the_kernels(
