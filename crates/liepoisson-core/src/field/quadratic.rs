@@ -139,12 +139,18 @@ impl Quadratic {
         #[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
         simd.name()
     }
+}
 
-    /// Instructions that the rates take: of products, and of where they enter.
-    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+impl super::tape::compiled::Expanded for Quadratic {
+    /// Products, and where they enter.
     fn work(&self) -> usize {
         let products: usize = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
         products + self.linear.len() + self.terms.len()
+    }
+
+    fn n_kept(&self, n_tangents: usize, order: usize) -> usize {
+        self.row(n_tangents) * (order + 1)
     }
 }
 
@@ -224,12 +230,23 @@ impl Field for Quadratic {
         self.extend_with(Shared, rows, n_tangents, k);
     }
 
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        if self.compiled.expand(self, rows, n_tangents, order) {
+            return;
+        }
+        for k in 0..order {
+            self.extend(rows, n_tangents, k);
+        }
+    }
+
     const IS_COMPILED: bool = cfg!(all(target_arch = "x86_64", target_os = "linux"));
 
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
     fn run_compiled<V: Lane>(&self, code: &impl super::Straight, memory: &mut [V]) -> bool {
-        self.compiled.run(self.work(), code, memory)
+        self.compiled.run(super::tape::compiled::Expanded::work(self), code, memory)
     }
 }
 
@@ -328,7 +345,9 @@ impl<C: Coefficients, V: Lane> Kernel for AddProducts<'_, C, V> {
     fn run<const Q: usize, const S: usize, const A: usize>(mut self, tile: &Tile) {
         // Two sums for every product, and the factors at hand, in registers; the sums are the same, term by term, so a
         // trajectory has the same bits either way.
-        let fused = self.n_tangents > 0 && 2 * (Q * S + A) + 2 * Q + 2 <= V::REGISTERS;
+        // Where code is recorded, what is compiled has as many loops as its registers want.
+        let is_narrow = !V::IS_RECORDED && 2 * (Q * S + A) + 2 * Q + 2 > V::REGISTERS;
+        let fused = self.n_tangents > 0 && !is_narrow;
         if fused {
             let sums = self.series.of_both::<Q, S, A>(tile);
             self.add(0, &sums);

@@ -6,12 +6,13 @@
 mod products;
 mod products_of_one;
 mod registers;
+mod sums;
 
 use super::assembler::*;
 use super::constants::Constants;
 use super::shape::{Relative, Shape};
 use crate::lanes::Instructions;
-use crate::lanes::recorded::{Loop, Operation, Value};
+use crate::lanes::recorded::{Loop, Operation, Terms, Value};
 
 /// The bases of addresses.
 pub(super) const BASES: [General; 4] = [RDI, RSI, RDX, R8];
@@ -43,7 +44,7 @@ pub(super) fn emit(shape: &Shape, constants: &mut Constants, function: usize, as
 /// lengths of its loops are counted from, these two in bytes from the start of the code. It is called with the addresses of the memory
 /// and of that for spilled values; what it returns is zero unless a piece has left it. None where an address is beyond 31 bits.
 pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<usize> {
-    let (width, _) = registers(assembler.instructions);
+    let (width, _) = registers_of(assembler.instructions);
     assembler.align();
     let start = assembler.code.len();
     assembler.push(COUNTS);
@@ -61,7 +62,7 @@ pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<us
 }
 
 /// Bytes that a register takes in memory, and how many registers there are.
-fn registers(instructions: Instructions) -> (i32, usize) {
+pub(super) fn registers_of(instructions: Instructions) -> (i32, usize) {
     match instructions {
         Instructions::Vex => (32, 16),
         Instructions::Evex => (64, 32),
@@ -116,7 +117,7 @@ impl<'a> Emitter<'a> {
         assembler: &'a mut Assembler,
     ) -> Option<Emitter<'a>> {
         let n = shape.operations.len();
-        let (width, registers) = registers(assembler.instructions);
+        let (width, registers) = registers_of(assembler.instructions);
         let mut emitter = Emitter {
             shape,
             assembler,
@@ -261,10 +262,16 @@ impl<'a> Emitter<'a> {
                 self.assembler.operate(ADD_OF_INTEGERS, to, to, one);
             }
             Operation::Call(function, x) => self.call(value, function, x),
-            Operation::Loop(one) if self.assembler.instructions == Instructions::VexOne => {
-                self.products_of_one(value, &self.shape.loops[one], one)?;
+            Operation::Loop(number) => {
+                let one = &self.shape.loops[number];
+                match one.terms {
+                    Terms::OfOneOrder { ref products, .. } => self.sums(value, one, products, number)?,
+                    Terms::OfTwoOrders { skips } if self.assembler.instructions == Instructions::VexOne => {
+                        self.products_of_one(value, one, skips, number)?;
+                    }
+                    Terms::OfTwoOrders { skips } => self.products(value, one, skips, number)?,
+                }
             }
-            Operation::Loop(one) => self.products(value, &self.shape.loops[one], one)?,
         }
         if self.register_of[at].is_some() {
             self.store(value);

@@ -201,8 +201,8 @@ impl Shape {
                 && self.loops.iter().zip(&self.counts).all(|(one, (runs, means))| {
                     let Relative { base, more } = means.first();
                     count_bases(order.k)[base] as isize + more == runs[i] as isize
-                        && one.left.iter().all(|value| is_inside(order, of(value), 0, runs[i].saturating_sub(1)))
-                        && one.right.iter().all(|value| is_inside(order, of(value), runs[i], 0))
+                        && one.left.iter().all(|value| is_inside(order, of(value), 0, one.reach(runs[i])[0]))
+                        && one.right.iter().all(|value| is_inside(order, of(value), one.reach(runs[i])[1], 0))
                 })
         })
     }
@@ -222,15 +222,20 @@ pub(super) fn reads(recording: &Recording) -> Option<Vec<bool>> {
     };
     for &operation in &recording.operations {
         if let Operation::Loop(one) = operation {
-            let Loop { sums, left, right, count, .. } = &recording.loops[one];
+            let one @ Loop { sums, left, right, count, .. } = &recording.loops[one];
+            let [behind, before] = one.reach(*count);
             sums.iter().filter_map(|&sum| register(sum)).for_each(|sum| read[sum] = true);
             for &value in left {
                 let first = register(value)?;
-                read.get_mut(first..first + count)?.fill(true);
+                read.get_mut(first..=first + behind)?
+                    .iter_mut()
+                    .step_by(one.step())
+                    .for_each(|is_read| *is_read = true);
             }
             for &value in right {
-                let first = register(value)?;
-                read[first.checked_sub(*count)?..=first].fill(true);
+                let last = register(value)?;
+                let first = last.checked_sub(before)?;
+                read[first..=last].iter_mut().step_by(one.step()).for_each(|is_read| *is_read = true);
             }
         }
         operation.map(|value| {

@@ -228,6 +228,21 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
         false
     }
 
+    /// Records a loop over `count` terms. Term `i` adds to each sum `s` of the `products` `[s, a, b]`, in their order,
+    /// `left[a]_i right[b]_i`: what lies `i step` registers behind a first left one, times what lies as many before a first right one.
+    /// False: to be computed.
+    #[inline(always)]
+    fn record_sums(
+        _sums: &mut [Self],
+        _left: &[Self],
+        _right: &[Self],
+        _products: Vec<[usize; 3]>,
+        _step: usize,
+        _count: usize,
+    ) -> bool {
+        false
+    }
+
     /// `self * factor + addend`, rounded once everywhere, in double precision: for what would be lost otherwise, and not for
     /// sums, since it is slow where it is done in software.
     #[inline(always)]

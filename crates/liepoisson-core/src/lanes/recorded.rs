@@ -58,14 +58,42 @@ impl Operation {
     }
 }
 
-/// A loop that adds products to sums; see [`Lane::record_products`].
+/// A loop that adds products to sums.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Loop {
     pub(crate) sums: Vec<Value>,
     pub(crate) left: Vec<Value>,
     pub(crate) right: Vec<Value>,
-    pub(crate) skips: bool,
+    pub(crate) terms: Terms,
     pub(crate) count: usize,
+}
+
+/// What a loop adds to which sums.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Terms {
+    /// See [`Lane::record_products`].
+    OfTwoOrders { skips: bool },
+    /// See [`Lane::record_sums`].
+    OfOneOrder { products: Vec<[usize; 3]>, step: usize },
+}
+
+impl Loop {
+    /// From the first coefficients that so many terms read, of left series to those behind and of right ones to those before: how
+    /// many registers there are to the last.
+    pub(crate) fn reach(&self, count: usize) -> [usize; 2] {
+        match self.terms {
+            Terms::OfTwoOrders { .. } => [count.saturating_sub(1), count],
+            Terms::OfOneOrder { step, .. } => [step * count.saturating_sub(1); 2],
+        }
+    }
+
+    /// How many registers lie between a coefficient and the next.
+    pub(crate) fn step(&self) -> usize {
+        match self.terms {
+            Terms::OfTwoOrders { .. } => 1,
+            Terms::OfOneOrder { step, .. } => step,
+        }
+    }
 }
 
 /// What a piece of code does with its memory, in the order in which it was asked for.
@@ -108,9 +136,76 @@ impl Trace {
             sums: of(&one.sums),
             left: of(&one.left),
             right: of(&one.right),
-            ..*one
+            terms: one.terms.clone(),
+            count: one.count,
         });
         Recording { operations, loops: loops.collect(), memory: of(&self.memory) }
+    }
+}
+
+impl Recording {
+    /// Joins loops over the terms of one order, as far as a loop with all of their sums does with so many registers.
+    pub(crate) fn join_loops(&mut self, registers: usize) {
+        // the loop that others may join, as an operation; of each result where it is now
+        let (mut first, mut moved): (Option<usize>, HashMap<Value, (Value, usize)>) = (None, HashMap::new());
+        for at in 0..self.operations.len() {
+            match self.operations[at] {
+                Operation::Loop(number) => {
+                    let joined = first.and_then(|first: usize| {
+                        let Operation::Loop(of_first) = self.operations[first] else { return None };
+                        let joined = self.loops[of_first].joined(&self.loops[number], first as Value, registers)?;
+                        let n_sums = std::mem::replace(&mut self.loops[of_first], joined).sums.len();
+                        Some((first as Value, n_sums))
+                    });
+                    match joined {
+                        Some(joined) => drop(moved.insert(at as Value, joined)),
+                        None => first = Some(at),
+                    }
+                }
+                Operation::Result(of, number) => {
+                    if let Some(&(of, n_before)) = moved.get(&of) {
+                        self.operations[at] = Operation::Result(of, n_before + number);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Loop {
+    /// This loop, which is the operation `at`, with the sums of a later one; none where that needs what is computed later, or more registers.
+    fn joined(&self, other: &Loop, at: Value, registers: usize) -> Option<Loop> {
+        let (Terms::OfOneOrder { products, step }, Terms::OfOneOrder { products: others, step: other_step }) =
+            (&self.terms, &other.terms)
+        else {
+            return None;
+        };
+        let is_earlier = other.sums.iter().chain(&other.left).chain(&other.right).all(|&value| value < at);
+        if !is_earlier || (step, self.count) != (other_step, other.count) {
+            return None;
+        }
+        let place = |values: &mut Vec<Value>, value: Value| {
+            values.iter().position(|&known| known == value).unwrap_or_else(|| {
+                values.push(value);
+                values.len() - 1
+            })
+        };
+        let (mut left, mut right, mut products) = (self.left.clone(), self.right.clone(), products.clone());
+        for &[sum, a, b] in others {
+            let [a, b] = [place(&mut left, other.left[a]), place(&mut right, other.right[b])];
+            products.push([self.sums.len() + sum, a, b]);
+        }
+        let sums = [&self.sums[..], &other.sums].concat();
+        // all sums, the right factors, and one left factor
+        let fits = sums.len() + right.len() < registers;
+        fits.then_some(Loop {
+            sums,
+            left,
+            right,
+            terms: Terms::OfOneOrder { products, step: *step },
+            count: self.count,
+        })
     }
 }
 
@@ -243,17 +338,33 @@ impl Lane for Recorded {
     }
 
     fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], skips: bool, count: usize) -> bool {
-        let values = |registers: &[Self]| registers.iter().map(|register| register.value()).collect();
-        let recorded = Loop { sums: values(sums), left: values(left), right: values(right), skips, count };
-        let number = TRACE.with_borrow_mut(|trace| {
-            trace.loops.push(recorded);
-            trace.loops.len() - 1
-        });
-        let products = put(Operation::Loop(number)).value();
-        for (result, sum) in sums.iter_mut().enumerate() {
-            *sum = put(Operation::Result(products, result));
-        }
+        put_loop(sums, left, right, Terms::OfTwoOrders { skips }, count);
         true
+    }
+
+    fn record_sums(
+        sums: &mut [Self],
+        left: &[Self],
+        right: &[Self],
+        products: Vec<[usize; 3]>,
+        step: usize,
+        count: usize,
+    ) -> bool {
+        put_loop(sums, left, right, Terms::OfOneOrder { products, step }, count);
+        true
+    }
+}
+
+fn put_loop(sums: &mut [Recorded], left: &[Recorded], right: &[Recorded], terms: Terms, count: usize) {
+    let values = |registers: &[Recorded]| registers.iter().map(|register| register.value()).collect();
+    let recorded = Loop { sums: values(sums), left: values(left), right: values(right), terms, count };
+    let number = TRACE.with_borrow_mut(|trace| {
+        trace.loops.push(recorded);
+        trace.loops.len() - 1
+    });
+    let products = put(Operation::Loop(number)).value();
+    for (result, sum) in sums.iter_mut().enumerate() {
+        *sum = put(Operation::Result(products, result));
     }
 }
 

@@ -88,7 +88,8 @@ impl<F: Instantiate> Method<F> for Taylor {
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
-        field.instantiate().registers(n_tangents, self.order)
+        let field = field.instantiate();
+        field.registers(n_tangents, self.order) + registers_of_sizes(&field, n_tangents)
     }
 
     fn max_steps(&self) -> u64 {
@@ -156,7 +157,7 @@ impl<F: Instance, V: Wide> Block for TaylorBlock<F, V> {
 
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
-        V::outline(Advance { block: self, sizes, first_group: 0 });
+        self.sum(sizes, 0);
     }
 
     fn norms(&self, group: usize, norms: &mut [f64]) {
@@ -217,7 +218,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
             n_tangents,
             row: field.row(n_tangents),
             n_registers,
-            rows: vec![V::splat(0.0); n_registers],
+            rows: vec![V::splat(0.0); n_registers + registers_of_sizes(&field, n_tangents)],
             has_sizes: false,
             method,
             field,
@@ -263,6 +264,18 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
             let step = longest_step(order, finite, self.method.tolerance, |k| self.norm_in(lane, k, group));
             *longest = longest.min(step.unwrap_or(f64::INFINITY));
         }
+    }
+
+    /// Advances every lane by its own step, from a group on.
+    pub(super) fn sum(&mut self, sizes: &[f64], first_group: usize) {
+        let sum = Sum { place: TermSizes::of(self), first_group };
+        if sum.place.end() <= self.rows.len() {
+            self.rows[self.n_registers].as_scalars_mut().copy_from_slice(sizes);
+            if self.field.run_compiled(&sum, &mut self.rows) {
+                return;
+            }
+        }
+        V::outline(Advance { block: self, sizes, first_group });
     }
 
     #[inline(always)]
@@ -395,11 +408,11 @@ fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: usize) {
 }
 
 /// Advances every lane by its own step: Horner's rule, several components at once to hide the latency of each.
-pub(super) struct Advance<'b, F, V> {
-    pub(super) block: &'b mut TaylorBlock<F, V>,
-    pub(super) sizes: &'b [f64],
+struct Advance<'b, F, V> {
+    block: &'b mut TaylorBlock<F, V>,
+    sizes: &'b [f64],
     /// The state, group 0, may be known already.
-    pub(super) first_group: usize,
+    first_group: usize,
 }
 
 impl<F: Field, V: Wide> Body for Advance<'_, F, V> {
@@ -438,8 +451,13 @@ impl<F: Field, V: Wide> Terms<V> for TaylorBlock<F, V> {
     }
 }
 
+/// Registers behind the series for [`TermSizes`], and for the step of a [`Sum`].
+pub(super) fn registers_of_sizes<F: Field>(_field: &F, n_tangents: usize) -> usize {
+    if F::IS_COMPILED { TermSizes::COUNT * (1 + n_tangents) } else { 0 }
+}
+
 /// The sizes of the terms that the step depends on, those of order 0 and the last eight, as straight code: put behind the series.
-pub(super) struct TermSizes {
+struct TermSizes {
     n_registers: usize,
     n_components: usize,
     group: usize,
@@ -449,7 +467,7 @@ pub(super) struct TermSizes {
 
 impl TermSizes {
     /// Registers behind the series for each group.
-    pub(super) const COUNT: usize = 9;
+    const COUNT: usize = 9;
 
     #[inline(always)]
     fn of<F: Field, V>(block: &TaylorBlock<F, V>) -> TermSizes {
@@ -489,6 +507,37 @@ impl Straight for TermSizes {
             for k in std::iter::once(0).chain(self.lowest()..=self.order) {
                 let at = k * self.row + group * self.group;
                 memory[self.at(k, group)] = sum_of_sizes(&memory[at..at + self.n_components]);
+            }
+        }
+    }
+}
+
+/// The sum of the series from a group on, as straight code: Horner's rule. The first register behind the series has the steps.
+struct Sum {
+    place: TermSizes,
+    first_group: usize,
+}
+
+impl Straight for Sum {
+    fn key(&self) -> u64 {
+        (2 + u64::from(self.first_group > 0)) << 32 | (self.place.row as u64) << 8 | self.place.order as u64
+    }
+
+    fn n_rates(&self) -> usize {
+        0
+    }
+
+    #[inline(always)]
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        let TermSizes { n_registers, n_components, group, row, order } = self.place;
+        let step = memory[n_registers];
+        for first in (self.first_group * group..row).step_by(group) {
+            for i in first..first + n_components {
+                let mut value = memory[order * row + i];
+                for k in (0..order).rev() {
+                    value = value.mul_add(step, memory[k * row + i]);
+                }
+                memory[i] = value;
             }
         }
     }

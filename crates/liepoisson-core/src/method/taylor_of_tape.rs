@@ -1,9 +1,9 @@
 //! The Taylor method of tapes, whose series can hide a term of the field and pass from one branch of it to another.
 
-use crate::field::{Field, Space, Straight, Tape};
-use crate::lanes::{Body, Lane, Wide};
+use crate::field::{Field, Space, Tape};
+use crate::lanes::{Body, Wide};
 use crate::method::step_end::{StepEnd, look_registers, n_looks, states_at};
-use crate::method::taylor::{Advance, TaylorBlock, TermSizes};
+use crate::method::taylor::{TaylorBlock, registers_of_sizes};
 use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping, Taylor};
 
 /// A step that is shortened to less than this part of the largest so far, so that no branch is left, is none.
@@ -44,8 +44,7 @@ impl Method<Tape> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f Tape, n_tangents: usize) -> Box<dyn Block + 'f> {
         let method = self.for_tape(field);
         let mut taylor = TaylorBlock::new(method, field, n_tangents);
-        let n_sizes = TermSizes::COUNT * (1 + n_tangents);
-        taylor.rows.extend(vec![V::splat(0.0); n_sizes + look_registers(field)]);
+        taylor.rows.extend(vec![V::splat(0.0); look_registers(field)]);
         Box::new(TapeBlock::<V> {
             taylor,
             end: StepEnd::new(field, method.order(), method.tolerance()),
@@ -56,7 +55,7 @@ impl Method<Tape> for Taylor {
 
     fn registers(&self, field: &Tape, n_tangents: usize) -> usize {
         let series = field.registers(n_tangents, self.for_tape(field).order());
-        series + TermSizes::COUNT * (1 + n_tangents) + look_registers(field)
+        series + registers_of_sizes(&field, n_tangents) + look_registers(field)
     }
 
     fn max_steps(&self) -> u64 {
@@ -113,8 +112,18 @@ impl<V: Wide> Block for TapeBlock<'_, V> {
 
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
+        // a look may have led to the states already
         let knows_states = self.end.knows_states_after(sizes);
-        V::outline(AdvanceTape { taylor: &mut self.taylor, sizes, knows_states });
+        if !knows_states || self.taylor.n_tangents > 0 {
+            self.taylor.sum(sizes, usize::from(knows_states));
+        }
+        if knows_states {
+            let TaylorBlock { field, rows, .. } = &mut self.taylor;
+            let at = states_at(field, rows.len());
+            let (rows, states) = rows.split_at_mut(at);
+            let n = field.n_components();
+            rows[..n].copy_from_slice(&states[..n]);
+        }
         self.end.take(sizes);
         for (largest, &size) in self.largest.iter_mut().zip(sizes) {
             *largest = if size.abs() > largest.abs() { size } else { *largest };
@@ -171,68 +180,5 @@ impl<V: Wide> Body for Branches<'_, '_, V> {
         let order = taylor.method.order();
         let rows = &taylor.rows[..taylor.n_registers];
         taylor.field.keep_to_branches(rows, taylor.n_tangents, order, largest, &mut steps[..V::WIDTH]);
-    }
-}
-
-/// Advances every lane by its own step, to states that a look may have led to already.
-struct AdvanceTape<'b, 'f, V> {
-    taylor: &'b mut TaylorBlock<&'f Tape, V>,
-    sizes: &'b [f64],
-    knows_states: bool,
-}
-
-impl<V: Wide> Body for AdvanceTape<'_, '_, V> {
-    #[inline(always)]
-    fn run(self) {
-        let AdvanceTape { taylor, sizes, knows_states } = self;
-        let first_group = usize::from(knows_states);
-        let (field, row, n_registers) = (taylor.field, taylor.row, taylor.n_registers);
-        let n = field.n_components();
-        let sum = Sum { n_registers, row, first: first_group * n, order: taylor.method.order() };
-        if sum.first < row {
-            let mut step = V::splat(0.0);
-            step.as_scalars_mut().copy_from_slice(sizes);
-            taylor.rows[n_registers] = step;
-            if !field.run_compiled(&sum, &mut taylor.rows) {
-                V::outline(Advance { block: taylor, sizes, first_group });
-            }
-        }
-        if knows_states {
-            let at = states_at(field, taylor.rows.len());
-            let (rows, states) = taylor.rows.split_at_mut(at);
-            for (to, &state) in rows[..n].iter_mut().zip(&*states) {
-                *to = state;
-            }
-        }
-    }
-}
-
-/// The sum of the series of a row's components from the first wanted one on, as straight code: Horner's rule.
-struct Sum {
-    n_registers: usize,
-    row: usize,
-    first: usize,
-    order: usize,
-}
-
-impl Straight for Sum {
-    fn key(&self) -> u64 {
-        (2 + u64::from(self.first > 0)) << 32 | (self.row as u64) << 8 | self.order as u64
-    }
-
-    fn n_rates(&self) -> usize {
-        0
-    }
-
-    #[inline(always)]
-    fn run<V: Lane>(&self, memory: &mut [V]) {
-        let step = memory[self.n_registers];
-        for i in self.first..self.row {
-            let mut value = memory[self.order * self.row + i];
-            for k in (0..self.order).rev() {
-                value = value.mul_add(step, memory[k * self.row + i]);
-            }
-            memory[i] = value;
-        }
     }
 }

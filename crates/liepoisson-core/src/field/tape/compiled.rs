@@ -1,5 +1,5 @@
-//! Expansions of a tape, and straight code that asks for the rates of a field, as compiled code: made when a run turns out to be long,
-//! once for all threads.
+//! Expansions of a field, and straight code that asks for its rates, as compiled code: made when a run turns out to be long, once for
+//! all threads.
 
 use super::Tape;
 use super::elementary::Called;
@@ -26,7 +26,7 @@ const WORTH_A_LOOK: u64 = 100;
 /// 100 MB.
 const MOST_WORK: usize = 1 << 17;
 
-/// Code of a tape for each kind of registers and purpose.
+/// Code of a field for each kind of registers and purpose.
 #[derive(Debug, Default)]
 pub(in crate::field) struct Compiled(OnceLock<Box<Plan>>);
 
@@ -51,6 +51,37 @@ impl Key {
     }
 }
 
+/// A field whose expansion is compiled.
+pub(in crate::field) trait Expanded: Field {
+    /// Instructions that its rates take.
+    fn work(&self) -> usize;
+
+    /// Whether an order of a series of so many is one piece of code with the order before.
+    fn is_second(&self, _k: usize, _n_orders: usize) -> bool {
+        false
+    }
+
+    /// So many registers are kept to the end; others as far as a later order reads them.
+    fn n_kept(&self, n_tangents: usize, order: usize) -> usize;
+}
+
+impl Expanded for Tape {
+    fn work(&self) -> usize {
+        self.instructions.len()
+    }
+
+    /// Its sums are formed along with those of the order before.
+    fn is_second(&self, k: usize, n_orders: usize) -> bool {
+        Frame::is_second(k, n_orders)
+    }
+
+    /// Series are kept up to the last order, so that it shares code.
+    fn n_kept(&self, n_tangents: usize, order: usize) -> usize {
+        let n_series = self.program.state.series + n_tangents * self.program.tangent.series;
+        (self.row(n_tangents) + n_series) * (order + 1)
+    }
+}
+
 #[derive(Debug)]
 struct Plan {
     key: Key,
@@ -62,12 +93,18 @@ struct Plan {
 }
 
 impl Compiled {
-    /// Expands a tape up to `order`, as [`Field::expand`] does, if the code for that is there. False, and nothing, if not.
+    /// Expands a field up to `order`, as [`Field::expand`] does, if the code for that is there. False, and nothing, if not.
     #[inline(always)]
-    pub(super) fn expand<V: Lane>(&self, tape: &Tape, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
+    pub(in crate::field) fn expand<V: Lane>(
+        &self,
+        field: &impl Expanded,
+        rows: &mut [V],
+        n_tangents: usize,
+        order: usize,
+    ) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::series(instructions, n_tangents, order, rows.len());
-        self.run_for(key, rows, |stage| compile_series::<V>(tape, n_tangents, order, key.registers, stage))
+        self.run_for(key, rows, |stage| compile_series::<V>(field, n_tangents, order, key.registers, stage))
     }
 
     /// Runs straight code: [`Field::run_compiled`], of a field whose rates take so many instructions.
@@ -160,32 +197,29 @@ impl Stage {
 }
 
 fn compile_series<V: Lane>(
-    tape: &Tape,
+    field: &impl Expanded,
     n_tangents: usize,
     order: usize,
     registers: usize,
     stage: Stage,
 ) -> Option<Code> {
-    if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
+    if field.work() * (1 + n_tangents) * order > MOST_WORK {
         return None;
     }
-    let (row, n_orders) = (tape.row(n_tangents), order + 1);
-    // an order whose sums are formed along with those of the order before is one piece with that
-    let is_second = |k: usize| k < order && Frame::is_second(k, n_orders);
+    let is_second = |k: usize| k < order && field.is_second(k, order + 1);
     let source = |k: usize| Source {
         trace: Recorded::trace(registers, |rows| {
             for k in k..=k + usize::from(is_second(k + 1)) {
-                tape.derive_work(rows, n_tangents, k);
-                tape.extend(rows, n_tangents, k);
+                field.derive_work(rows, n_tangents, k);
+                field.extend(rows, n_tangents, k);
             }
         }),
         k,
-        bases: [k, k / 2, k * row],
+        bases: [k, k / 2, k * field.row(n_tangents)],
     };
-    // series are kept up to the last order, so that it shares code; single registers as far as a later order reads them
-    let n_series = tape.program.state.series + n_tangents * tape.program.tangent.series;
     let sources: Vec<Source> = (0..order).filter(|&k| !is_second(k)).map(source).collect();
-    stage.make::<V>(registers, sources, |register| register < (row + n_series) * n_orders)
+    let n_kept = field.n_kept(n_tangents, order);
+    stage.make::<V>(registers, sources, |register| register < n_kept)
 }
 
 fn compile_straight<V: Lane>(work: usize, straight: &impl Straight, registers: usize, stage: Stage) -> Option<Code> {
@@ -386,8 +420,62 @@ mod tests {
         }
     }
 
+    /// The same of a field of degree two, all of whose registers are components.
+    struct BothOfDegreeTwo<'f> {
+        field: &'f Quadratic,
+        n_tangents: usize,
+        order: usize,
+        starts: &'f [f64],
+    }
+
+    impl Task for BothOfDegreeTwo<'_> {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            let BothOfDegreeTwo { field, n_tangents, order, starts } = self;
+            if V::INSTRUCTIONS.is_none() {
+                return;
+            }
+            let (registers, row, group) = (field.registers(n_tangents, order), field.row(n_tangents), field.group());
+            let mut rows = vec![V::splat(0.0); registers];
+            let mut numbers = starts.iter().cycle();
+            for first in (0..row).step_by(group) {
+                let components = &mut rows[first..first + field.n_components()];
+                as_scalars_mut(components).fill_with(|| *numbers.next().unwrap());
+            }
+            let mut compiled = rows.clone();
+            (0..order).for_each(|k| field.extend(&mut rows, n_tangents, k));
+            let code = compile_series::<V>(field, n_tangents, order, registers, Stage::Compile)
+                .expect("a field that can be compiled");
+            assert!(code.run(&mut compiled));
+            for (i, (x, y)) in as_scalars(&rows).iter().zip(as_scalars(&compiled)).enumerate() {
+                let at = (i / V::WIDTH / row, i / V::WIDTH % row, i % V::WIDTH);
+                assert!(x.to_bits() == y.to_bits() || x.is_nan() && y.is_nan(), "{x} {y} at {at:?}");
+            }
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(100))]
+
+        #[test]
+        fn compiled_series_of_degree_two_have_the_bits_of_the_kernels(
+            n in 1..10_usize,
+            parts in proptest::collection::vec((any::<[u16; 3]>(), prop_oneof![3 => -2.0..2.0_f64, 1 => Just(1.0), 1 => Just(-4.0)]), 1..60),
+            n_tangents in 0..4_usize,
+            order in 1..30_usize,
+            starts in proptest::collection::vec(
+                prop_oneof![8 => -1.5..1.5_f64, 1 => Just(0.0), 1 => Just(-0.0), 1 => Just(1e300), 1 => Just(f64::NAN)], 1..40
+            ),
+        ) {
+            let at = |indices: &[u16; 3], i: usize| indices[i] as usize % n;
+            let linear: Vec<_> = parts.iter().step_by(3).map(|(on, c)| (at(on, 0), at(on, 1), *c)).collect();
+            let quadratic: Vec<_> = parts.iter().map(|(on, c)| (at(on, 0), at(on, 1), at(on, 2), *c)).collect();
+            let field = Quadratic::new(n, &[(0, 0.5)], &linear, &quadratic).unwrap();
+            for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
+                dispatch(simd, BothOfDegreeTwo { field: &field, n_tangents, order, starts: &starts });
+            }
+        }
 
         #[test]
         fn compiled_rates_of_degree_two_have_the_bits_of_the_kernels(

@@ -8,13 +8,13 @@ use crate::lanes::recorded::{Loop, Value};
 impl Emitter<'_> {
     /// The sums of products, term by term: as many terms at a time as there are sums for one product, and at least two, so that what
     /// was the right coefficient of one order becomes that of the next without being moved.
-    pub(super) fn products(&mut self, value: Value, one: &Loop, number: usize) -> Option<()> {
+    pub(super) fn products(&mut self, value: Value, one: &Loop, skips: bool, number: usize) -> Option<()> {
         let at = value as usize;
         let (n_left, n_right) = (one.left.len(), one.right.len());
         let n_sums = one.sums.len() / (2 * n_left * n_right);
         let block = n_sums.max(2);
         let pair_of = |index: usize| ((index / 2) / n_right % n_left, (index / 2) % n_right);
-        let is_taken = |index: usize| !(one.skips && pair_of(index) == (1, 1));
+        let is_taken = |index: usize| !(skips && pair_of(index) == (1, 1));
         let mut sums = vec![None; one.sums.len()];
         for index in (0..one.sums.len()).filter(|&index| is_taken(index)) {
             sums[index] = Some(self.summand(one.sums[index], at, &one.sums[index + 1..]));

@@ -13,7 +13,7 @@ const BLOCK: usize = 4;
 
 impl Emitter<'_> {
     /// As [`Emitter::products`].
-    pub(super) fn products_of_one(&mut self, value: Value, one: &Loop, number: usize) -> Option<()> {
+    pub(super) fn products_of_one(&mut self, value: Value, one: &Loop, skips: bool, number: usize) -> Option<()> {
         let at = value as usize;
         let (n_left, n_right) = (one.left.len(), one.right.len());
         let n_products = n_left * n_right;
@@ -21,7 +21,7 @@ impl Emitter<'_> {
         if !BLOCK.is_multiple_of(n_sums) {
             return None;
         }
-        let is_taken = |pair: usize| !(one.skips && pair % n_products == n_right + 1);
+        let is_taken = |pair: usize| !(skips && pair % n_products == n_right + 1);
         let mut pairs = vec![None; one.sums.len() / 2];
         for pair in (0..pairs.len()).filter(|&pair| is_taken(pair)) {
             pairs[pair] = Some(self.two_summands(&one.sums[2 * pair..], at));
