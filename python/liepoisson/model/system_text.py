@@ -155,7 +155,7 @@ def write_system(system: System | VectorField, path: str | Path) -> Path:
     path = Path(path)
     if path.suffix != ".toml":
         raise SystemFileError(f"wanted a name that ends in .toml; got {path}. Write for example top.toml.")
-    text = vector_field_text(system) if isinstance(system, VectorField) else system_text(system)
+    text = system.file_text() if isinstance(system, VectorField) else system_text(system)
     write_atomically(path, text.encode())
     return path
 

@@ -296,9 +296,17 @@ class VectorField(EquationsOfMotion):
     def text(self) -> str | None:
         """The text of a file from which the same vector field is read; None if there is none."""
         try:
-            return function_of("VectorField.text")(self)
+            return self.file_text()
         except SystemFileError:
             return None
+
+    def file_text(self) -> str:
+        """The same, with the reason where there is none.
+
+        Raises:
+            SystemFileError: it has a function that the grammar does not have.
+        """
+        return function_of("VectorField.file_text")(self)
 
     def __str__(self) -> str:
         """The equations, the parameters and the integrals, as they were given."""
