@@ -142,7 +142,7 @@ class DampedSystem(VectorField):
         self._sign_of_rate = self._checked_rate()
         self.entropy: Expr | None = None if damping.kind == "double bracket" else self._entropy(damping.entropy)
         self._added = self._derived()
-        unused = [own for own in values if own not in undamped.values and not self._occurs(own)]
+        unused = [own for own in values if own not in undamped.values and not self.is_of_damping(own)]
         if unused:
             raise ParameterError(f"parameters: {unused[0]} occurs nowhere in the damping; leave it out")
         added: Any = [self.rate * entry for entry in self._added.vector]
@@ -163,7 +163,8 @@ class DampedSystem(VectorField):
         given, system = self.damping, self.undamped
         n = system.bracket.dimension
         if given.kind == "double bracket":
-            return of_double_bracket(system, self._metric(on_velocities=True))
+            self.metric = self._metric(on_velocities=True)
+            return of_double_bracket(system, self.metric)
         entropy: Any = self.entropy
         if given.matrix is not None:
             return of_matrix(system, entropy, read_form(given.matrix, n, "matrix", self._formula))
@@ -178,10 +179,13 @@ class DampedSystem(VectorField):
             return of_kulkarni_nomizu(system, entropy, sigma, mu)
         if not system.bracket.is_linear:
             raise BracketError(
-                f"metriplectic: the 4-bracket of a Lie algebra needs a linear bracket; {system.bracket!r} is none; give "
-                "forms=(sigma, mu), two symmetric matrices"
+                f"metriplectic: the 4-bracket of a Lie algebra needs a linear bracket; {system.bracket!r} is none; "
+                "give forms=(sigma, mu), two symmetric matrices"
             )
         return of_lie_bracket(system, entropy, self._metric(on_velocities=False))
+
+    metric: Matrix | None = None
+    """The form g of a double bracket, with the values of the parameters, shape (N, N)."""
 
     def _metric(self, *, on_velocities: bool) -> Matrix:
         from sympy import eye
@@ -212,7 +216,8 @@ class DampedSystem(VectorField):
         self._read_names |= {str(symbol) for symbol in read.free_symbols}
         return to_sympy(substituted(read, self._flat))
 
-    def _occurs(self, name: str) -> bool:
+    def is_of_damping(self, name: str) -> bool:
+        """Whether a parameter occurs in the damping."""
         return any(self._scope.owner(symbol) == name for symbol in self._read_names)
 
     def _checked_rate(self) -> Sign:
@@ -485,8 +490,8 @@ def _check_system(system: Any) -> None:
     if len(system.component_names) != system.bracket.dimension:
         found = ", ".join(system.component_names[system.bracket.dimension :])
         raise ParameterError(
-            f"system: wanted one whose state is a point of its phase space; {system.name} has {found} besides, found by "
-            "quadrature; make it without quadratures"
+            f"system: wanted one whose state is a point of its phase space; {system.name} has {found} besides, found "
+            "by quadrature; make it without quadratures"
         )
 
 
@@ -500,7 +505,7 @@ def _own_values(system: System, parameters: Any) -> Mapping[str, Any]:
     for name in given:
         if name in system.values and flattened({name: given[name]}) != flattened({name: system.values[name]}):
             raise ParameterError(
-                f"parameters: {name} has a value in {system.name} already, {shown(system.values[name])}; choose another "
-                "name"
+                f"parameters: {name} has a value in {system.name} already, {shown(system.values[name])}; choose "
+                "another name"
             )
     return {} if parameters is None else dict(parameters)

@@ -41,14 +41,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DampingVector:
-    """What damping adds to the equations, and what is known of it.
+    r"""What damping adds to the equations, and what is known of it.
 
     Attributes:
         vector: Its components, without the rate.
         production: What the rate is multiplied with in the rate of H (a double bracket, with the sign minus) or of the
             entropy.
         definite: Whether that is known never to be negative, where the rate is not.
-        degenerate: Whether $G \\nabla H = 0$ is known; of a double bracket, which needs it not, "proved".
+        degenerate: Whether $G\nabla H = 0$ is known; of a double bracket, which needs it not, "proved".
     """
 
     vector: tuple[Expr, ...]

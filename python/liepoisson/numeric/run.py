@@ -98,7 +98,7 @@ class KeepsInvariants:
 
     @property
     def reversals(self) -> dict[str, Array]:
-        """The largest change of each of these from one time to the next that is against its law, 0 if none, shape (...).
+        """The largest change of each of these, from one time to the next, against its law; 0 if none, shape (...).
 
         What is above round-off is an error of the method.
         """
