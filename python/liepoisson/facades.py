@@ -24,7 +24,6 @@ FACADES = {
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",
     "VectorField.file_text": "model.system_text.vector_field_text",
-    "DampedSystem.file_text": "damping.damped_file.damped_text",
     "SystemFile.damped": "damping.damped_file.damped_file",
 }
 """The function of each such method, in its module within the package."""

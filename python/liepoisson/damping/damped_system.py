@@ -20,7 +20,6 @@ from liepoisson.damping.damping_vector import (
 )
 from liepoisson.damping.symmetric_forms import FormLike, Known, Sign, never_negative, read_form
 from liepoisson.errors import BracketError, ExpressionError, ParameterError
-from liepoisson.facades import function_of
 from liepoisson.formula.parameters import GivenValue, Parameter, flattened, read_kept_values, read_parameter
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import listed
@@ -330,7 +329,9 @@ class DampedSystem(VectorField):
         Raises:
             SystemFileError: it cannot be written.
         """
-        return function_of("DampedSystem.file_text")(self)
+        from liepoisson.damping.damped_file import damped_text
+
+        return damped_text(self)
 
     def _scope_with(self, *further: str) -> Scope:
         values = cast("Mapping[str, GivenValue]", self._kept_values)

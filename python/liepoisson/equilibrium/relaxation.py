@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.compile.symbols import evaluated
 from liepoisson.damping.damped_system import DampedSystem, double_bracket
@@ -27,6 +28,7 @@ from liepoisson.inputs.deadline import has_passed, seconds_left
 from liepoisson.inputs.given import named
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.inputs.refusals import not_a
+from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.system import System
@@ -48,7 +50,7 @@ _N_TIMES = 65
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class Relaxation(ReadOnlyArrays):
+class Relaxation(ReadOnlyArrays, Tabular):
     r"""The way of a state down to an equilibrium of its leaf.
 
     Example:
@@ -78,6 +80,12 @@ class Relaxation(ReadOnlyArrays):
     outcome: str
     equilibrium: Equilibrium | None
     gap: float
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: time, energy and state along the orbit."""
+        return {"time": self.time, "energy": self.energy} | dict(
+            zip(self.flow.component_names, self.state.T, strict=True)
+        )
 
     @cached_property
     def spectrum(self) -> ComplexArray:

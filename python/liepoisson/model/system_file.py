@@ -41,6 +41,14 @@ and, where they are known, a source, a description, integrals and reference valu
     quantity = "H"
     value = "7/2"
 
+Damping that keeps the geometry is a further table, and the file then describes a damped system:
+
+    [damping]
+    kind = "double bracket"                # or "metriplectic"
+    rate = "gamma"                         # a number or a formula; its parameters are below [parameters], too
+    metric = [1, 1, 1, 0, 0, 0]            # a diagonal or a matrix, or "killing"; the identity if left out
+    entropy = "C1"                         # of a metriplectic flow, with metric, or forms = [..., ...], or matrix = ...
+
 A plain vector field has its equations in the place of bracket and Hamiltonian:
 
     name = "Lorenz"                        # and angles = [...] here, if a coordinate is one
@@ -58,7 +66,7 @@ The formulas are those of `liepoisson.formula.expression`.  No text of a file is
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -66,6 +74,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.compile.typed import names_of, read_system
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
+from liepoisson.facades import function_of
 from liepoisson.formula.expression import read_formula
 from liepoisson.formula.parameters import GivenValue, Shape, Value, read_values
 from liepoisson.formula.scope import Scope, read_declaration, shape_of
@@ -258,6 +267,12 @@ class SystemFile(EquationsFile):
 
         parameters = cast("Mapping[str, Any]", self.parameters)
         return suspended(self.bracket, self.hamiltonian, parameters, self.symbols, self.period)[0]
+
+    def damped(
+        self, damping: Mapping[str, Any], parameters: Mapping[str, Value], symbols: Sequence[str]
+    ) -> EquationsFile:
+        """The file of this system with damping, and with the parameters of both."""
+        return function_of("SystemFile.damped")(self, damping, parameters, symbols)
 
     @property
     def formulas(self) -> dict[tuple[str, ...], str]:
