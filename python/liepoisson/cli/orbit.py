@@ -120,9 +120,8 @@ def run_lines(system: System | VectorField, run: Orbit) -> list[str]:
     for name, values in run.monotone.items():
         finite = values[0][np.isfinite(values[0])]
         verb = "falls" if finite[-1] < finite[0] else "rises"
-        lines.append(
-            f"{verb:<8} {name} from {finite[0]:.9g} to {finite[-1]:.9g}, against it {run.reversals[name][0]:.0e}"
-        )
+        back = f"against it {run.reversals[name][0]:.0e}"
+        lines.append(f"{verb:<8} {name} from {finite[0]:.9g} to {finite[-1]:.9g}, {back}")
     missing = shortage(bracket) if (bracket := getattr(system, "bracket", None)) else ""
     return lines + ([f"  {missing}"] if missing else [])
 

@@ -138,7 +138,8 @@ class _Reader(TomlReader):
         self.check_keys(("damping",), table, _KEYS["damping"])
         kinds = ("double bracket", "metriplectic")
         if table.get("kind") not in kinds:
-            raise self.toml.error(("damping", "kind"), f'wanted one of {", ".join(kinds)}. Write kind = "{kinds[0]}".')
+            message = f'wanted one of {", ".join(kinds)}. Write kind = "{kinds[0]}".'
+            raise self.toml.error(("damping", "kind"), message)
         if foreign := [key for key in ("entropy", "forms", "matrix") if key in table and table["kind"] == kinds[0]]:
             raise self.toml.error(("damping", foreign[0]), "a double bracket has none. Remove the key.")
         if table["kind"] == kinds[1] and "entropy" not in table:
