@@ -24,7 +24,7 @@ FACADES = {
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",
     "VectorField.file_text": "model.system_text.vector_field_text",
-    "SystemFile.damped": "damping.damped_file.damped_file",
+    "_Reader.damped": "damping.damped_file.damped_file",
 }
 """The function of each such method, in its module within the package."""
 

@@ -61,6 +61,7 @@ OPTIONS = {
         "--t-end": "number", "--ensemble": "text", "--tol": "number", "--spectrum": None,
     },
     "decide": _WHERE | _STARTS | _FORMAT | {"--t-end": "number"},
+    "relax": _STARTS | {"--start": "state", "--leaf": "leaf", "--along": "setting"},
     "equilibria": _STARTS | _FORMAT | {"--start": "state", "--leaf": "leaf", "--along": "setting"},
     "painleve": _FORMAT | {
         "--weights": ["1,1,1,2,2,2", "1,1,1,2,2,2,3,3,3", "1", "x", "-1,2", "1/2,1/2,1/2"], "--free": "text",

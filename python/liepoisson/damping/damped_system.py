@@ -26,7 +26,7 @@ from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import not_a, not_a_system, shown
-from liepoisson.model.hamiltonian import is_expression, scope_of
+from liepoisson.model.hamiltonian import is_expression, read_declarations, scope_of
 from liepoisson.model.system import System
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.given_expressions import read_expression_in, with_exact_numbers
@@ -133,7 +133,7 @@ class DampedSystem(VectorField):
         self.undamped: System = undamped
         self.damping: Damping = damping
         values = {**undamped.values, **_own_values(undamped, parameters)}
-        declared = (*undamped.as_given.symbols, *symbols)
+        declared = (*undamped.as_given.symbols, *read_declarations(symbols))
         self._scope: Scope = scope_of(undamped.symbolic_bracket, values, declared)
         self._read_names: set[str] = set()
         self._flat: dict[str, Any] = flattened(read_kept_values(values))
@@ -160,19 +160,19 @@ class DampedSystem(VectorField):
 
     def _derived(self) -> DampingVector:
         given, system = self.damping, self.undamped
-        n = system.bracket.dimension
+        names = system.component_names
         if given.kind == "double bracket":
             self.metric = self._metric(on_velocities=True)
             return of_double_bracket(system, self.metric)
         entropy: Any = self.entropy
         if given.matrix is not None:
-            return of_matrix(system, entropy, read_form(given.matrix, n, "matrix", self._formula))
+            return of_matrix(system, entropy, read_form(given.matrix, names, "matrix", self._formula))
         if given.forms is not None:
             both = listed(given.forms, "forms")
             if both is None or len(both) != 2:
                 raise not_a("two symmetric matrices", given.forms, "forms", "write for example forms=(sigma, mu)")
             sigma, mu = (
-                read_form(form, n, f"forms: the {which}", self._formula)
+                read_form(form, names, f"forms: the {which}", self._formula)
                 for form, which in zip(both, ("first", "second"), strict=True)
             )
             return of_kulkarni_nomizu(system, entropy, sigma, mu)
@@ -196,7 +196,7 @@ class DampedSystem(VectorField):
             if given.strip().lower() != KILLING:
                 raise not_a('a symmetric matrix, its diagonal or "killing"', given, "metric", 'write metric="killing"')
             return killing_metric(bracket, on_velocities=on_velocities)
-        return read_form(given, bracket.dimension, "metric", self._formula)
+        return read_form(given, bracket.coordinate_names_in_order, "metric", self._formula)
 
     def _formula(self, given: Any, name: str) -> Expr:
         """A number or a function of the state, with the values of the parameters."""
@@ -509,4 +509,4 @@ def _own_values(system: System, parameters: Any) -> Mapping[str, Any]:
                 f"parameters: {name} has a value in {system.name} already, {shown(system.values[name])}; choose "
                 "another name"
             )
-    return {} if parameters is None else dict(parameters)
+    return given

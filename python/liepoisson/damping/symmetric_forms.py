@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
-from liepoisson.algebra.exact_numbers import is_zero
+from liepoisson.algebra.exact_numbers import is_sympy, is_zero
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter
 from liepoisson.inputs.given import listed
@@ -37,12 +37,12 @@ class Sign(NamedTuple):
     negative_at: dict[str, str] | None = None
 
 
-def read_form(given: Any, n: int, name: str, read: Callable[[Any, str], Expr]) -> Matrix:
+def read_form(given: Any, names: Sequence[str], name: str, read: Callable[[Any, str], Expr]) -> Matrix:
     """A symmetric matrix from its rows, or from its diagonal.
 
     Args:
         given: As it came.
-        n: The number of coordinates.
+        names: The N coordinates; labels of a diagonal decide its order.
         name: The name of the argument in messages.
         read: Reads an entry, with its name in messages.
 
@@ -52,8 +52,10 @@ def read_form(given: Any, n: int, name: str, read: Callable[[Any, str], Expr]) -
     """
     from sympy import Matrix, diag
 
+    n = len(names)
     example = f"write for example {name}=[{', '.join(['1'] * min(n, 4))}{', ...' if n > 4 else ''}], a diagonal"
-    rows = listed(given.tolist() if hasattr(given, "tolist") else given, name)
+    given = given.tolist() if is_sympy(given) else given
+    rows = listed(given, name, names)
     if rows is None:
         raise not_a("a symmetric matrix or its diagonal", given, name, example)
     inner = [None if isinstance(row, str) else listed(row, name) for row in rows]

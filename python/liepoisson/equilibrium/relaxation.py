@@ -199,14 +199,16 @@ def _lowered(system: System, along: Any) -> System:
         raise not_a("a rate for each integral by name", along, "along", 'write for example along={"l3": "1/2"}')
     energy: Any = system.hamiltonian
     integrals: dict[str, Any] = {}
+    rates: dict[str, Any] = {}
     for name, value in given.items():
         integrals[name] = integral = cast("Any", system.expression(name))
         if not system.is_constant(integral):
             raise ParameterError(f"along: wanted integrals of {system.name}; {name} is not constant; leave it out")
-        energy -= sympify(read_parameter(value, f"along: {name}")) * integral
+        rates[name] = read_parameter(value, f"along: {name}")
+        energy -= sympify(rates[name]) * integral
     if not given:
         return system
-    words = " - ".join(["H", *(f"{value}*{name}" for name, value in given.items())])
+    words = " - ".join(["H", *(f"{value}*{name}" for name, value in rates.items())])
     found = System(system.bracket, energy, name=f"{system.name}, {words}"[:MAX_TITLE])
     known = {f"K{k}": f for k, f in enumerate(integrals.values(), start=1) if found.is_constant(f)}
     return System(found.bracket, energy, name=found.name, integrals=known)

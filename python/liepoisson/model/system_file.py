@@ -66,7 +66,7 @@ The formulas are those of `liepoisson.formula.expression`.  No text of a file is
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -74,7 +74,6 @@ from typing import TYPE_CHECKING, Any, Self, cast
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.compile.typed import names_of, read_system
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
-from liepoisson.facades import function_of
 from liepoisson.formula.expression import read_formula
 from liepoisson.formula.parameters import GivenValue, Shape, Value, read_values
 from liepoisson.formula.scope import Scope, read_declaration, shape_of
@@ -267,12 +266,6 @@ class SystemFile(EquationsFile):
 
         parameters = cast("Mapping[str, Any]", self.parameters)
         return suspended(self.bracket, self.hamiltonian, parameters, self.symbols, self.period)[0]
-
-    def damped(
-        self, damping: Mapping[str, Any], parameters: Mapping[str, Value], symbols: Sequence[str]
-    ) -> EquationsFile:
-        """The file of this system with damping, and with the parameters of both."""
-        return function_of("SystemFile.damped")(self, damping, parameters, symbols)
 
     @property
     def formulas(self) -> dict[tuple[str, ...], str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liepoisson.algebra.exact_numbers import Coefficient, Exact, exact
+from liepoisson.facades import function_of
 from liepoisson.formula.coefficients import coefficient
 from liepoisson.formula.expression import check_names, evaluate
 from liepoisson.formula.grammar import MAX_DIGITS, parse
@@ -159,7 +160,7 @@ class _Reader(TomlReader):
             parameters={name: value for name, value in file.parameters.items() if name not in unused},
             symbols=tuple(text for text in file.symbols if read_declaration(text)[0] not in unused),
         )
-        return own.damped(damping, file.parameters, file.symbols)
+        return function_of("_Reader.damped")(own, damping, file.parameters, file.symbols)
 
     def entries(self, keys: tuple[str | int, ...], given: object) -> Any:
         """Formulas and exact numbers, in lists of lists."""
