@@ -198,9 +198,6 @@ COUNTED = {
     "chaos.exponents_by_energy, of a top": lambda **limit: lp.chaos.exponents_by_energy(
         TWISTED, leaf=ON_LEAF, energies=[1, 2, 3], n_starts=MANY, **LONG, **limit
     ),
-    "dissipation.relax": lambda **limit: lp.dissipation.relax(
-        lp.System(lp.canonical(1), "p1^2/2 + q1^4/4"), [1, 0], t_end=1e12, **limit
-    ),
     "fits.finite_time_fit": lambda **limit: lp.fits.finite_time_fit(**CURVES, **limit),
     "fits.log_fit": lambda **limit: lp.fits.log_fit(**CURVES, **limit),
     "fits.window_scan": lambda **limit: lp.fits.window_scan(**CURVES, **limit),

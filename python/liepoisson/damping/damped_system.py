@@ -46,6 +46,10 @@ KILLING = "killing"
 class Damping:
     """Damping as it was given: numbers, texts in the names of a system, or expressions.
 
+    Example:
+        >>> lp.dissipation.double_bracket(lp.catalog.system("heavy-top"), "1/10").damping
+        Damping(kind='double bracket', rate='1/10', entropy=None, metric=None, forms=None, matrix=None)
+
     Attributes:
         kind: "double bracket" or "metriplectic".
         rate: What the damping vector is multiplied with.
@@ -390,7 +394,7 @@ def double_bracket(
     Example:
         >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
         >>> orbit = lp.integrate(lp.dissipation.double_bracket(body, "1/10"), [1, 1, 1], t_end=1000)
-        >>> orbit.end_state.round(6) ** 2  # on the axis of the largest moment of inertia, on its sphere
+        >>> (orbit.end_state**2).round(9)  # on the axis of the largest moment of inertia, on its sphere
         array([[0., 0., 3.]])
 
     Args:
@@ -444,7 +448,7 @@ def metriplectic(
         >>> print(*flow.laws, sep="; ")
         S rises (proved); H is constant (proved)
         >>> orbit = lp.integrate(flow, [1, 1, 1], t_end=1000)
-        >>> orbit.end_state.round(6) ** 2, bool(orbit.drift["H"][0] < 1e-12)  # all energy on the third axis
+        >>> (orbit.end_state**2).round(9), bool(orbit.drift["H"][0] < 1e-12)  # all energy on the third axis
         (array([[0. , 0. , 5.5]]), True)
 
     Args:

@@ -56,7 +56,7 @@ class Relaxation(ReadOnlyArrays, Tabular):
     Example:
         >>> found = lp.dissipation.relax(lp.catalog.system("heavy-top"), {"l": (0, 0, 1), "alpha": (0.6, 0, 0.8)})
         >>> found.outcome, found.equilibrium.nonlinear_stability, round(found.equilibrium.energy, 6)
-        ('arrived', 'stable', -0.68)
+        ('arrived', 'stable', -0.776616)
 
     Attributes:
         flow: The damped system whose orbit it is.
