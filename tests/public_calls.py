@@ -491,7 +491,8 @@ def _of_damping(add):
     six, words = lp.catalog.system("lagrange"), "parameters:c symbols:o"
     damping = lp.dissipation.Damping("double bracket", "g*h + k")
     add("dissipation.DampedSystem", words, undamped=six, damping=damping, **further)
-    add("dissipation.double_bracket", f"metric:N {words}", None, six.component_names, system=six, rate="g*h + k", metric=diagonal, **further)
+    of_form = {"system": six, "rate": "g*h + k", "metric": diagonal, **further}
+    add("dissipation.double_bracket", f"metric:N {words}", None, six.component_names, **of_form)
     forms = (range(1, 7), range(2, 8))
     options = {"system": six, "entropy": "C1", "rate": "g*h + k", **further}
     add("dissipation.metriplectic", f"forms:o {words}", forms=forms, **options)

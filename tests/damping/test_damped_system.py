@@ -184,6 +184,13 @@ def test_rates_and_forms_may_depend_on_the_state_and_have_no_value():
     assert not still.falling
 
 
+def test_what_needs_a_bracket_is_told_where_it_is():
+    with pytest.raises(AttributeError, match=r"system\.undamped"):
+        _ = lp.dissipation.double_bracket(EULER).bracket
+    with pytest.raises(lp.errors.ParameterError, match=r"give system\.undamped"):
+        lp.inspect(lp.dissipation.double_bracket(EULER))
+
+
 def test_semidefinite_forms_are_known():
     x = sympy.Symbol("x")
     assert semidefinite(sympy.Matrix([[1, 1], [1, 1]]), []).known == "proved"
@@ -218,6 +225,11 @@ WRONG = {
         lambda: metriplectic(SYSTEMS["sl(2)"], "C1", metric="killing"), lp.errors.ParameterError, "negative eigenvalue",
     ),
     "no Casimir": (lambda: metriplectic(EULER, "l1^2"), lp.errors.BracketError, 'try entropy="C1"'),
+    "no Casimir at all": (lambda: metriplectic(OSCILLATOR, "C1"), lp.errors.BracketError, "none is known"),
+    "kind": (
+        lambda: lp.dissipation.DampedSystem(EULER, lp.dissipation.Damping("friction")), lp.errors.ParameterError,
+        "a Damping of the kind",
+    ),
     "constant": (lambda: metriplectic(EULER, "2"), lp.errors.BracketError, "depends on the state"),
     "no entropy": (lambda: metriplectic(EULER, 1), lp.errors.ParameterError, "entropy"),
     "not degenerate": (

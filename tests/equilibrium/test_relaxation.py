@@ -66,6 +66,8 @@ def test_outcomes_say_where_it_did_not_arrive():
     at_saddle = relax(EULER, [0, 1, 0], t_end=100)
     assert (at_saddle.outcome, at_saddle.equilibrium.linear_stability) == ("saddle", "unstable")
     assert at_saddle.decay < 0
+    fluid = relax(lp.catalog.system("zeitlin-3"), np.arange(8) / 7, t_end=300)  # a family without known symmetry
+    assert (fluid.outcome, fluid.equilibrium.family) == ("undecided", "undecided")
     unbounded = relax(lp.System(lp.canonical(1), "dot(p, p)/2 - q1^4/4"), [1, 0])
     assert (unbounded.outcome, unbounded.equilibrium) == ("step too small", None)
     assert relax(EULER, [1, 1, 1], t_end=1).outcome == "not arrived"

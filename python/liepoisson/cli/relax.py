@@ -88,6 +88,8 @@ def relaxation_lines(found: Relaxation) -> list[str]:
 def _reason(found: Relaxation) -> str:
     if found.outcome == "saddle":
         return "it stays at an equilibrium that is no minimum: start beside it."
+    if found.outcome == "undecided":
+        return "it is at rest, but doubles do not tell whether at one equilibrium or in a family, nor its stability."
     if found.outcome == "not arrived":
         return "it did not arrive: take a longer --t-end; at a degenerate minimum the approach is not exponential."
     if found.outcome == "time limit":

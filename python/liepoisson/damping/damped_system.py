@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, get_args
 
 from liepoisson.algebra.exact_numbers import substituted, to_sympy
 from liepoisson.compile.typed import Names, names_of
@@ -26,7 +26,7 @@ from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import not_a, not_a_system, shown
-from liepoisson.model.hamiltonian import is_expression, read_declarations, scope_of
+from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression, read_declarations, scope_of
 from liepoisson.model.system import System
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.given_expressions import read_expression_in, with_exact_numbers
@@ -123,6 +123,8 @@ class DampedSystem(VectorField):
     References: [bloch1996]; [morrison2024].
     """
 
+    _why_missing: ClassVar[str] = "; the system without damping has it: system.undamped"
+
     @explains_its_arguments
     def __init__(
         self,
@@ -134,6 +136,9 @@ class DampedSystem(VectorField):
         name: str | None = None,
     ) -> None:
         _check_system(undamped)
+        if not isinstance(damping, Damping) or damping.kind not in get_args(Kind):  # pyright: ignore[reportUnnecessaryIsInstance]
+            kinds = " or ".join(map(repr, get_args(Kind)))
+            raise not_a(f"a Damping of the kind {kinds}", damping, "damping", "write double_bracket(system, rate)")
         self.undamped: System = undamped
         self.damping: Damping = damping
         values = {**undamped.values, **_own_values(undamped, parameters)}
@@ -243,9 +248,14 @@ class DampedSystem(VectorField):
         casimirs = {f"C{k}": casimir for k, casimir in enumerate(bracket.casimirs(), start=1)}
         if isinstance(given, str) and given.strip() in casimirs:
             return casimirs[given.strip()]
+        known = ", ".join(f"{name} = {casimir!s:.60}" for name, casimir in casimirs.items())
+        if isinstance(given, str) and RESERVED_NAME.fullmatch(given.strip()):
+            raise BracketError(
+                f"entropy: wanted a Casimir of {self.undamped.name}; got {given}; "
+                + (f"try one of {known}" if known else "none is known: a metriplectic flow needs one")
+            )
         entropy = self._formula(given, "entropy")
         certificate = bracket.casimir_certificate(entropy, symbols=sorted(map(str, entropy.free_symbols)))
-        known = ", ".join(f"{name} = {casimir!s:.60}" for name, casimir in casimirs.items())
         if not certificate.holds:
             raise BracketError(
                 f"entropy: wanted a Casimir, which the motion without damping keeps; {certificate}; "

@@ -124,7 +124,8 @@ def of_matrix(system: System, entropy: Expr, G: Matrix) -> DampingVector:
         if left.is_rational_function(*left.free_symbols) or not _vanishes_at_points(left, system):
             raise ParameterError(
                 f"matrix: wanted a symmetric bracket G with G grad H = 0, so that H is kept; component {name} of "
-                f"G grad H is {left!s:.100}; leave matrix out, or give forms=(sigma, mu), from which such a G is derived"
+                f"G grad H is {left!s:.100}; leave matrix out, or give forms=(sigma, mu), from which such a G is "
+                "derived"
             )
         degenerate = "sampled"
     product: Any = G * s

@@ -64,8 +64,8 @@ class Relaxation(ReadOnlyArrays, Tabular):
         time: Times, shape (time,).
         state: The orbit, shape (time, component).
         energy: H along it, less $\sum_j\Omega_j K_j$ where integrals were given, shape (time,).
-        outcome: "arrived" at a minimum; "saddle": it is at an equilibrium that is none; "not arrived" by the end of the
-            time, as where minima are degenerate; "time limit"; or how the orbit failed, as where H is not bounded on
+        outcome: "arrived" at a minimum; "saddle": it is at an equilibrium that is none; "undecided": it is at rest, and
+            the equilibrium is "undecided"; "not arrived" by the end of the time, as where minima are degenerate; "time limit"; or how the orbit failed, as where H is not bounded on
             the leaf: "step too small", "not finite", "max steps".
         equilibrium: The equilibrium next to the end of the orbit, with its stability, its residual and a bound on its
             error (`distance`), or None where Newton's method found none.
@@ -252,8 +252,8 @@ def _relaxed(
             found = near
             if gap <= tol and near.family != "undecided" and not near.signature[1]:
                 outcome = "arrived"
-    if outcome == "not arrived" and found is not None and gap <= tol and found.signature[1]:
-        outcome = "saddle"
+    if outcome == "not arrived" and found is not None and gap <= tol:
+        outcome = "saddle" if found.signature[1] else "undecided"
     path = np.concatenate(states)
     energy = leaf.system.functions.energy(path)
     return Relaxation(flow, leaf, np.concatenate(times), path, energy, outcome, found, gap)
