@@ -65,8 +65,9 @@ class Relaxation(ReadOnlyArrays, Tabular):
         state: The orbit, shape (time, component).
         energy: H along it, less $\sum_j\Omega_j K_j$ where integrals were given, shape (time,).
         outcome: "arrived" at a minimum; "saddle": it is at an equilibrium that is none; "undecided": it is at rest, and
-            the equilibrium is "undecided"; "not arrived" by the end of the time, as where minima are degenerate; "time limit"; or how the orbit failed, as where H is not bounded on
-            the leaf: "step too small", "not finite", "max steps".
+            the equilibrium is "undecided"; "not arrived" by the end of the time, as where minima are degenerate; "time
+            limit"; or how the orbit failed, as where H is not bounded on the leaf: "step too small", "not finite", "max
+            steps".
         equilibrium: The equilibrium next to the end of the orbit, with its stability, its residual and a bound on its
             error (`distance`), or None where Newton's method found none.
         gap: How far the end of the orbit is from it, in units in which states of the leaf are of order one.
