@@ -42,6 +42,7 @@ Kind = Literal["double bracket", "metriplectic"]
 KILLING = "killing"
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Damping:
     """Damping as it was given: numbers, texts in the names of a system, or expressions.
@@ -67,6 +68,7 @@ class Damping:
     matrix: Any = None
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Law:
     """What a function of the state does along the motion.
