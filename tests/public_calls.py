@@ -162,6 +162,7 @@ def rows():
     _of_runs(add)
     _of_orbits_and_sections(add)
     _of_leaves_and_charts(add)
+    _of_damping(add)
     _of_integrals(add)
     _of_tori(add)
     _of_results(add)
@@ -483,6 +484,31 @@ def _of_leaves_and_charts(add):
         own = {"z": tuple(chart.component_names)}
         z = chart.from_body(given["state"])
         add(f"charts.{name}.to_body", "z:N psi:1" if angle else "z:N", chart, own, z=z, **angle)
+
+
+def _of_damping(add):
+    diagonal, further = range(1, 7), {"parameters": {"g": "1/10", "h": 2}, "symbols": ["k"]}
+    six, words = lp.catalog.system("lagrange"), "parameters:c symbols:o"
+    damping = lp.dissipation.Damping("double bracket", "g*h + k")
+    add("dissipation.DampedSystem", words, undamped=six, damping=damping, **further)
+    of_form = {"system": six, "rate": "g*h + k", "metric": diagonal, **further}
+    add("dissipation.double_bracket", f"metric:N {words}", None, six.component_names, **of_form)
+    forms = (range(1, 7), range(2, 8))
+    options = {"system": six, "entropy": "C1", "rate": "g*h + k", **further}
+    add("dissipation.metriplectic", f"forms:o {words}", forms=forms, **options)
+    add("dissipation.metriplectic:metric", f"metric:N {words}", None, six.component_names, metric=diagonal, **options)
+    still = lp.System(lp.so(3) @ lp.trivial(), "dot(l, l)/2 + l3")
+    matrix = {"system": still, "entropy": "C1", "matrix": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]}
+    add("dissipation.metriplectic:matrix", "matrix:o", **matrix)
+    states = [0.1, 0, 2, 0.3, 0, 0.9]
+    damped = lp.dissipation.double_bracket(six)
+    partial = lp.dissipation.double_bracket(PARTIAL)
+    add("dissipation.DampedSystem.without_value", "states:N", partial, states=X)
+    for name in ("one_way_values", "invariant_values", "vector_field"):
+        add(f"dissipation.DampedSystem.{name}", "states:N", damped, six.component_names, states=states)
+    right = {"time": 0.0, "state": states}
+    add("dissipation.DampedSystem.right_hand_side", "state:N", damped, six.component_names, **right)
+    add("dissipation.relax", "start:S along:v", None, six.component_names, system=six, start=states, along={"l3": 0.5})
 
 
 def _of_integrals(add):

@@ -30,6 +30,7 @@ LAYERS = (
     {"structure"},
     {"compile"},
     {"model"},
+    {"damping"},
     {"catalog"},
     {"report"},
     {"numeric"},
@@ -44,8 +45,8 @@ LAYERS = (
     {"plot"},
     {"laboratory"},
     {
-        "", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits",
-        "methods", "phase_space", "results", "sections", "systems",
+        "", "algebras", "brackets", "chaos", "charts", "citations", "dissipation", "extensions", "fields",
+        "fits", "methods", "phase_space", "results", "sections", "systems",
     },
     {"studies"},
     {"cli"},

@@ -41,7 +41,8 @@ ACROSS = 3
 GROUPS = {
     "Tops and bodies": (
         *("kovalevskaya-section", "lagrange-chart", "attitude", "gyrostat", "rattleback", "sphere"),
-        *("kirchhoff", "regions", "equilibria", "sleeping-top", "bifurcation", "rod", "double-pendulum"),
+        *("kirchhoff", "regions", "equilibria", "damped-body", "sleeping-top", "bifurcation", "rod"),
+        "double-pendulum",
     ),
     "Twist and charge": (
         *("lyapunov", "twist-section", "twist-sweep", "cubic-twists", "charged-top", "leibniz", "structure"),

@@ -27,7 +27,7 @@ GROUPS = {
     "Integrate": ("orbits", "methods"),
     "Exponents and chaos": ("chaos", "fits"),
     "Sections": ("sections",),
-    "Leaves, equilibria and charts": ("phase_space", "charts"),
+    "Leaves, equilibria and charts": ("phase_space", "dissipation", "charts"),
     "Tori of integrable systems": ("tori",),
     "Prove": ("integrability", "proofs"),
     "Sweep": ("sweeps",),

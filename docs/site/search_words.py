@@ -48,6 +48,7 @@ WORDS = {
     "crossings never missed find detect return map stop terminal",
     "orbits": "periodic homoclinic heteroclinic reversible symmetry shooting newton monodromy stability "
     "multipliers floquet horseshoe",
+    "damping": "friction dissipation double bracket metriplectic entropy relaxation gradient flow",
     "equilibria": "fixed points stationary relative equilibrium stability linear eigenvalues energy casimir "
     "bifurcation critical points steady",
     "leaves": "initial conditions start starts random sampling sample microcanonical energy surface energy "

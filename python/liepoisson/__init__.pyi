@@ -5,6 +5,7 @@ from liepoisson import catalog as catalog
 from liepoisson import chaos as chaos
 from liepoisson import charts as charts
 from liepoisson import citations as citations
+from liepoisson import dissipation as dissipation
 from liepoisson import errors as errors
 from liepoisson import extensions as extensions
 from liepoisson import fields as fields

@@ -23,7 +23,8 @@ FACADES = {
     "System.__str__": "report.describe.describe",
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",
-    "VectorField.text": "model.system_text.vector_field_text",
+    "VectorField.file_text": "model.system_text.vector_field_text",
+    "_Reader.damped": "damping.damped_file.damped_file",
 }
 """The function of each such method, in its module within the package."""
 

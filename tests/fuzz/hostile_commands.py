@@ -61,6 +61,7 @@ OPTIONS = {
         "--t-end": "number", "--ensemble": "text", "--tol": "number", "--spectrum": None,
     },
     "decide": _WHERE | _STARTS | _FORMAT | {"--t-end": "number"},
+    "relax": _WHERE | {"--guess": "state", "--along": "setting", "--t-end": "number"},
     "equilibria": _STARTS | _FORMAT | {"--start": "state", "--leaf": "leaf", "--along": "setting"},
     "painleve": _FORMAT | {
         "--weights": ["1,1,1,2,2,2", "1,1,1,2,2,2,3,3,3", "1", "x", "-1,2", "1/2,1/2,1/2"], "--free": "text",
@@ -69,7 +70,7 @@ OPTIONS = {
     "sweep": {"--figure": "figure", "--plot": None, "--fresh": None, "--threads": ["1", "0", "x"], "--store": "store"},
     "reproduce": {"--nosuch": "text"},
 }  # fmt: skip
-ALWAYS = {name: ["--time-limit", "0.5"] for name in ("orbit", "section", "lyapunov", "decide", "painleve")}
+ALWAYS = {name: ["--time-limit", "0.5"] for name in ("orbit", "section", "lyapunov", "decide", "relax", "painleve")}
 """So that no run is long; a command that is given it twice refuses it, which is one more case."""
 
 

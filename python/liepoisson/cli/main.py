@@ -61,6 +61,7 @@ COMMANDS = {
     "lyapunov": "chaos",
     "decide": "chaos",
     "equilibria": "orbit",
+    "relax": "relax",
     "periodic": "periodic",
     "continue": "periodic",
     "melnikov": "periodic",

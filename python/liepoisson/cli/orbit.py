@@ -87,11 +87,12 @@ def orbit(
     check_limits(seed=drawn, time_limit=time_limit)
     data, stem = result_files(files, chosen, common.values, "orbit")
     how.named()  # refused before anything is computed
-    begin = start_of(chosen, where, drawn)
+    own = getattr(chosen, "undamped", chosen)
+    begin = start_of(own, where, drawn)
     unit = unit_of_time(chosen, begin.state)
     method, t_end = how.named(unit), _TIME * unit if t_end is None else t_end
     head = f"{chosen.name}: one orbit to t = {t_end:g}, {points} points"
-    announce("\n".join([head, *start_lines(chosen, begin)]), (data, stem))
+    announce("\n".join([head, *start_lines(own, begin)]), (data, stem))
     with running("integrating", abs(t_end), quiet=common.quiet) as listen:
         times = np.linspace(0.0, t_end, points)
         run = integrate(chosen, begin.state, times=times, method=method, time_limit=time_limit, progress=listen)
@@ -116,6 +117,11 @@ def run_lines(system: System | VectorField, run: Orbit) -> list[str]:
     lines.append(f"drift    largest change along {n} points" if drift else "drift    no integral is known")
     width = max(map(len, drift), default=0)
     lines += [f"  {name:<{width}}  {change[0]:.0e}" for name, change in drift.items()]
+    for name, values in run.monotone.items():
+        finite = values[0][np.isfinite(values[0])]
+        verb = "falls" if finite[-1] < finite[0] else "rises"
+        back = f"against it {run.reversals[name][0]:.0e}"
+        lines.append(f"{verb:<8} {name} from {finite[0]:.9g} to {finite[-1]:.9g}, {back}")
     missing = shortage(bracket) if (bracket := getattr(system, "bracket", None)) else ""
     return lines + ([f"  {missing}"] if missing else [])
 

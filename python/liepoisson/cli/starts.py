@@ -169,8 +169,9 @@ def _items(text: str) -> list[str]:
 def start_lines(system: System | VectorField, start: Start | PlainStart) -> list[str]:
     """What the commands print about a start: components, leaf, energy, and for a top bounds on its vectors."""
     sizes = dict.fromkeys(system.parts_of_state, 1)
-    if not isinstance(start, PlainStart):
-        bracket = start.leaf.system.bracket
+    own: Any = getattr(system, "undamped", None) if isinstance(start, PlainStart) else start.leaf.system
+    if own is not None:
+        bracket = own.bracket
         sizes = {name: len(components) for name, components in bracket.vectors.items()}
         sizes |= dict.fromkeys(bracket.scalars, 1)  # which come after the vectors
     width = max(8, *map(len, sizes))

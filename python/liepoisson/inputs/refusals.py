@@ -21,6 +21,7 @@ _INSTEAD = {
     "str": 'write liepoisson.read_system(path), or liepoisson.catalog.system("kovalevskaya")',
     "Leaf": "its system is leaf.system",
     "VectorField": NO_BRACKET,
+    "DampedSystem": "a damped system has none of the energies and leaves of motion: give system.undamped",
     "TopField": "a field does not know its bracket: give the system that it is from",
     "QuadraticField": "a field does not know its bracket: give the system that it is from",
     "TapeField": "a field does not know its bracket: give the system that it is from",

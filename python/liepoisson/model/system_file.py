@@ -41,6 +41,14 @@ and, where they are known, a source, a description, integrals and reference valu
     quantity = "H"
     value = "7/2"
 
+Damping that keeps the geometry is a further table, and the file then describes a damped system:
+
+    [damping]
+    kind = "double bracket"                # or "metriplectic"
+    rate = "gamma"                         # a number or a formula; its parameters are below [parameters], too
+    metric = [1, 1, 1, 0, 0, 0]            # a diagonal or a matrix, or "killing"; the identity if left out
+    entropy = "C1"                         # of a metriplectic flow, with metric, or forms = [..., ...], or matrix = ...
+
 A plain vector field has its equations in the place of bracket and Hamiltonian:
 
     name = "Lorenz"                        # and angles = [...] here, if a coordinate is one

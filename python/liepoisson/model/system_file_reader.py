@@ -6,12 +6,14 @@ The format is described in `liepoisson.model.system_file`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liepoisson.algebra.exact_numbers import Coefficient, Exact, exact
+from liepoisson.facades import function_of
 from liepoisson.formula.coefficients import coefficient
 from liepoisson.formula.expression import check_names, evaluate
 from liepoisson.formula.grammar import MAX_DIGITS, parse
@@ -22,7 +24,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.names import MAX_TITLE, check_name
 from liepoisson.model.constructors import read_algebra, read_extension
 from liepoisson.model.hamiltonian import RESERVED_NAME
-from liepoisson.model.system_file import Integral, Reference, SystemFile
+from liepoisson.model.system_file import EquationsFile, Integral, Reference, SystemFile
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -44,6 +46,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
         "hamiltonian": "expression period",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
+        "damping": "kind rate entropy metric forms matrix",
         "vector field": "name source description angles equations parameters integrals",
     }.items()
 }
@@ -105,20 +108,69 @@ def read_tables(toml: TomlText) -> SystemFile:
     return _Reader(toml).file()
 
 
-def read_equations(toml: TomlText) -> SystemFile | VectorFieldFile:
-    """What the tables of a file say, whether it describes a system or a vector field.
+def read_equations(toml: TomlText) -> SystemFile | VectorFieldFile | EquationsFile:
+    """What the tables of a file say, whether it describes a system, a damped one or a vector field.
 
     Raises:
-        SystemFileError: they describe neither; the message names the key, and the line where it can be found.
+        SystemFileError: they describe none; the message names the key, and the line where it can be found.
     """
-    return _Reader(toml).vector_field() if "equations" in toml.tables else read_tables(toml)
+    if "equations" in toml.tables:
+        return _Reader(toml).vector_field()
+    return _Reader(toml).damped() if "damping" in toml.tables else read_tables(toml)
 
 
 class _Reader(TomlReader):
     """Turns the tables of a file into its meaning; every method says which key is wrong."""
 
     def file(self) -> SystemFile:
-        tables = self.toml.tables
+        if "damping" in self.toml.tables:
+            raise self.toml.error(
+                ("damping",),
+                "wanted a system without damping. lp.read_system reads a damped one, and so do the commands that ask "
+                "for equations alone (docs/damping.md). Remove the table for the system without damping.",
+            )
+        file, unused = self.undamped()
+        self.refuse_unused(file, unused)
+        return file
+
+    def damped(self) -> EquationsFile:
+        """A system file with a table [damping], in which parameters may occur, too."""
+        table = self.table(("damping",), self.toml.tables["damping"])
+        self.check_keys(("damping",), table, _KEYS["damping"])
+        kinds = ("double bracket", "metriplectic")
+        if table.get("kind") not in kinds:
+            message = f'wanted one of {", ".join(kinds)}. Write kind = "{kinds[0]}".'
+            raise self.toml.error(("damping", "kind"), message)
+        if foreign := [key for key in ("entropy", "forms", "matrix") if key in table and table["kind"] == kinds[0]]:
+            raise self.toml.error(("damping", foreign[0]), "a double bracket has none. Remove the key.")
+        if table["kind"] == kinds[1] and "entropy" not in table:
+            raise self.toml.error(("damping",), 'wanted the key entropy. Write for example entropy = "C1".')
+        file, unused = self.undamped()
+        scope = self.guarded(("parameters",), lambda: file.scope)
+        used = set[str]()
+        damping: dict[str, Any] = {key: self.entries(("damping", key), value) for key, value in table.items()}
+        for key, value in damping.items():
+            is_word = key == "kind" or value == "killing" or (key == "entropy" and RESERVED_NAME.fullmatch(str(value)))
+            for text in () if is_word else _texts(value):
+                names = self.guarded(("damping", key), lambda text=text: check_names(parse(text), text, scope))
+                used |= names
+        self.refuse_unused(file, [name for name in unused if name not in used])
+        own = replace(
+            file,
+            parameters={name: value for name, value in file.parameters.items() if name not in unused},
+            symbols=tuple(text for text in file.symbols if read_declaration(text)[0] not in unused),
+        )
+        return function_of("_Reader.damped")(own, damping, file.parameters, file.symbols)
+
+    def entries(self, keys: tuple[str | int, ...], given: object) -> Any:
+        """Formulas and exact numbers, in lists of lists."""
+        if isinstance(given, list):
+            return tuple(self.entries((*keys, k), item) for k, item in enumerate(cast("list[object]", given)))
+        return self.text(keys, given) if isinstance(given, str) else self.number(keys, given)
+
+    def undamped(self) -> tuple[SystemFile, list[str]]:
+        """The file apart from [damping], and the parameters that do not occur in it."""
+        tables = {name: table for name, table in self.toml.tables.items() if name != "damping"}
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
         if "equations" in tables:
             raise self.toml.error(
@@ -150,8 +202,7 @@ class _Reader(TomlReader):
             path=self.toml.path,
             toml=self.toml,
         )
-        self.check_formulas(file)
-        return file
+        return file, self.unused(file)
 
     def vector_field(self) -> VectorFieldFile:
         from liepoisson.model.vector_field_file import VectorFieldFile
@@ -400,19 +451,22 @@ class _Reader(TomlReader):
                 found.append(text.strip())
         return tuple(found)
 
-    def check_formulas(self, file: SystemFile) -> None:
-        """Refuse unknown names and unused parameters; what needs SymPy is checked when the system is made."""
+    def unused(self, file: SystemFile) -> list[str]:
+        """Refuse unknown names, and find unused parameters; what needs SymPy is checked when the system is made."""
         self.guarded(("hamiltonian", "expression" if file.period is None else "period"), lambda: file.whole_bracket)
         scope = self.guarded(("parameters",), lambda: file.scope)
         used = {scope.owner(name) for name in file.bracket.symbols}
         for keys, text in file.formulas.items():
             names = self.guarded(keys, lambda text=text: check_names(parse(text), text, scope))
             used |= names if keys[0] == "hamiltonian" else set()
-        for name in (*file.parameters, *(read_declaration(text)[0] for text in file.symbols)):
-            if name not in used:
-                place = ("parameters", name) if name in file.parameters else ("parameters", "symbols")
-                message = f"{name} occurs neither in the bracket nor in the Hamiltonian. Use it or remove it."
-                raise self.toml.error(place, message)
+        declared = (read_declaration(text)[0] for text in file.symbols)
+        return [name for name in (*file.parameters, *declared) if name not in used]
+
+    def refuse_unused(self, file: SystemFile, names: Sequence[str]) -> None:
+        for name in names:
+            place = ("parameters", name) if name in file.parameters else ("parameters", "symbols")
+            message = f"{name} occurs neither in the bracket nor in the Hamiltonian. Use it or remove it."
+            raise self.toml.error(place, message)
 
     def value(self, keys: tuple[str | int, ...], given: object) -> Value:
         """A number, a vector or a matrix."""
@@ -477,6 +531,13 @@ class _Reader(TomlReader):
         if len(present) > 1:
             raise self.toml.error(("bracket", present[1]), f"{' and '.join(present)} exclude each other. Remove one.")
         return present[0] if present else None
+
+
+def _texts(given: Any) -> list[str]:
+    """The formulas in nested tuples."""
+    if isinstance(given, tuple):
+        return [text for item in cast("tuple[Any, ...]", given) for text in _texts(item)]
+    return [given] if isinstance(given, str) else []
 
 
 def _declarations(values: Mapping[str, Value]) -> list[str]:

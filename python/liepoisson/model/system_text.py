@@ -46,6 +46,17 @@ def system_text(system: System) -> str:
         SystemFileError: the system cannot be written: it has a function that the grammar does not have, or an algebra
             without a name in more than 40 dimensions.
     """
+    text = toml_text(system_tables(system))
+    _check(text, system, symbolic=system.as_given.hamiltonian is not None)
+    return text
+
+
+def system_tables(system: System) -> dict[str, Any]:
+    """The tables of a system file, before it is tried whether they give the same system.
+
+    Raises:
+        SystemFileError: an algebra without a name has more than 40 dimensions.
+    """
     given = system.as_given
     symbolic = given.hamiltonian is not None
     bracket = system.symbolic_bracket if symbolic else system.bracket
@@ -58,7 +69,7 @@ def system_text(system: System) -> str:
         tables["source"] = system.source
     angles = {"angles": list(bracket.angles)} if bracket.angles else {}
     tables["bracket"] = {**_bracket_table(system, bracket), **angles}
-    tables["parameters"] = {name: _value(value) for name, value in values.items()}
+    tables["parameters"] = {name: value_text(value) for name, value in values.items()}
     if symbols := _symbols(system, bracket, given.symbols if symbolic else ()):
         tables["parameters"]["symbols"] = symbols
     tables["hamiltonian"] = {"expression": given.hamiltonian or formula_text(_without_momentum(system))}
@@ -67,9 +78,7 @@ def system_text(system: System) -> str:
     tables["integrals"] = _integrals(system, symbolic=symbolic)
     if isinstance(system, CanonicalSystem) and system.quadratures:
         tables["quadratures"] = {name: formula_text(rate) for name, rate in system.quadratures.items()}
-    text = _toml({name: table for name, table in tables.items() if table})
-    _check(text, system, symbolic=symbolic)
-    return text
+    return {name: table for name, table in tables.items() if table}
 
 
 def read_system_text(text: str, kind: str = "System") -> System:
@@ -97,10 +106,10 @@ def vector_field_text(field: VectorField) -> str:
         {name: f if isinstance(f, str) else formula_text(f) for name, f in formulas.items()}
         for formulas in (given.equations, given.integrals)
     )
-    tables["parameters"] = {name: _value(value) for name, value in field.values.items()}
+    tables["parameters"] = {name: value_text(value) for name, value in field.values.items()}
     if given.symbols:
         tables["parameters"]["symbols"] = list(given.symbols)
-    text = _toml({name: table for name, table in tables.items() if table})
+    text = toml_text(tables)
     try:
         found = read_vector_field_text(text)
         same = found.as_given == given or (
@@ -155,7 +164,7 @@ def write_system(system: System | VectorField, path: str | Path) -> Path:
     path = Path(path)
     if path.suffix != ".toml":
         raise SystemFileError(f"wanted a name that ends in .toml; got {path}. Write for example top.toml.")
-    text = vector_field_text(system) if isinstance(system, VectorField) else system_text(system)
+    text = system.file_text() if isinstance(system, VectorField) else system_text(system)
     write_atomically(path, text.encode())
     return path
 
@@ -254,7 +263,7 @@ def _algebra(algebra: LieAlgebra) -> dict[str, Any]:
             f"dimension {algebra.dimension} is above {_LARGEST}"
         )
     return {
-        "structure_constants": _value(algebra.structure_constants),
+        "structure_constants": value_text(algebra.structure_constants),
         "basis_names": list(algebra.basis_names),
     }
 
@@ -268,7 +277,7 @@ def _extension(extension: Extension) -> dict[str, Any]:
             return {"extension": call}
     except LiePoissonError:
         pass  # a name of the user's own
-    return {"W": _value(extension.tensor)}
+    return {"W": value_text(extension.tensor)}
 
 
 def _symbols(system: System, bracket: Bracket, declared: Sequence[str]) -> list[str]:
@@ -299,12 +308,14 @@ def formula_text(expression: Any) -> str:
     return str(number).replace("**", "^")
 
 
-def _value(value: Any) -> Any:
+def value_text(value: Any) -> Any:
     """A number, a vector or a matrix, as texts that are read exactly."""
-    return [_value(item) for item in value] if isinstance(value, Sequence) else formula_text(to_sympy(value))
+    return [value_text(item) for item in value] if isinstance(value, Sequence) else formula_text(to_sympy(value))
 
 
-def _toml(tables: Mapping[str, Any]) -> str:
+def toml_text(tables: Mapping[str, Any]) -> str:
+    """Tables as the text of a TOML file; those that are empty are left out."""
+    tables = {name: table for name, table in tables.items() if table}
     plain = [f"{_key(name)} = {_literal(value)}" for name, value in tables.items() if not isinstance(value, dict)]
     blocks = ["\n".join(plain)]
     for name, table in tables.items():

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import symbols_of
 from liepoisson.algebra.rational_polynomials import Expanded, RationalPolynomial, TooLargeError
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 _OF_TIME = '. For equations that depend on time make it a coordinate: {"t": "1"}'
 _MISSING = frozenset({"bracket", "hamiltonian", "functions", "symbolic_bracket", "symbolic_hamiltonian"})
 """What a system has and a vector field has not."""
-_REASON = f"; {NO_BRACKET}"
 
 
 class AsGiven(NamedTuple):
@@ -85,6 +84,8 @@ class VectorField(EquationsOfMotion):
         BracketError: an angle is none of the coordinates.
         ShapeError: the angles are no sequence of names.
     """
+
+    _why_missing: ClassVar[str] = f"; {NO_BRACKET}"
 
     def __init__(
         self,
@@ -296,9 +297,17 @@ class VectorField(EquationsOfMotion):
     def text(self) -> str | None:
         """The text of a file from which the same vector field is read; None if there is none."""
         try:
-            return function_of("VectorField.text")(self)
+            return self.file_text()
         except SystemFileError:
             return None
+
+    def file_text(self) -> str:
+        """The same, with the reason where there is none.
+
+        Raises:
+            SystemFileError: it has a function that the grammar does not have.
+        """
+        return function_of("VectorField.file_text")(self)
 
     def __str__(self) -> str:
         """The equations, the parameters and the integrals, as they were given."""
@@ -316,8 +325,9 @@ class VectorField(EquationsOfMotion):
 
         def __getattr__(self, name: str) -> object:
             """The error of a name that is not there."""
-            reason = _REASON if name in _MISSING else ""
-            raise AttributeError(f"'VectorField' object has no attribute {name!r}{reason}", name=name, obj=self)
+            reason = self._why_missing if name in _MISSING else ""
+            message = f"{type(self).__name__!r} object has no attribute {name!r}{reason}"
+            raise AttributeError(message, name=name, obj=self)
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,39 @@ class KeepsInvariants:
         reached: NDArray[np.bool_] = np.asarray(np.isfinite(self.state).all(axis=-1))
         return {name: read_only(_largest_change(values, reached)) for name, values in self.invariants.items()}
 
+    @property
+    def monotone(self) -> dict[str, Array]:
+        """Values of what only falls or rises along the orbits of a `DampedSystem`, by name, shape (..., time) each.
+
+        With a double bracket H, of a metriplectic flow the entropy S; of other systems nothing.
+        """
+        return {name: read_only(values) for name, (values, _) in self._one_way().items()}
+
+    @property
+    def reversals(self) -> dict[str, Array]:
+        """The largest change of each of these, from one time to the next, against its law; 0 if none, shape (...).
+
+        What is above round-off is an error of the method.
+        """
+        found: dict[str, Array] = {}
+        for name, (values, sign) in self._one_way().items():
+            with np.errstate(all="ignore"):
+                steps = -sign * np.diff(values, axis=-1)
+            largest = np.where(np.isfinite(steps), steps, 0.0).max(axis=-1, initial=0.0)
+            found[name] = read_only(np.where(np.isfinite(steps).any(axis=-1), largest, np.nan))
+        return found
+
+    def _one_way(self) -> dict[str, tuple[Array, int]]:
+        """The values of what only falls or rises, and its sign along the time of the result."""
+        told = getattr(self.system, "one_way_values", None)
+        if not callable(told):
+            return {}
+        time: Any = getattr(self, "time", ())
+        forwards = 1 if len(time) < 2 or time[-1] > time[0] else -1
+        with np.errstate(all="ignore"):
+            values: Any = told(self.state)
+        return {name: (found, forwards * sign) for name, (found, sign) in values.items()}
+
 
 def _largest_change(values: Array, reached: NDArray[np.bool_]) -> Array:
     """Along the last axis, where a time was reached; an invariant that has no value there is NaN."""

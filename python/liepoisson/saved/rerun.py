@@ -302,7 +302,7 @@ def _system(dataset: Dataset) -> Any:
     from liepoisson.model.system_text import read_system_text, read_vector_field_text
 
     kind = str(dataset.attrs.get("system_kind"))
-    if kind == "VectorField":
+    if kind in ("VectorField", "DampedSystem"):
         return read_vector_field_text(text)
     system = read_system_text(text, kind)
     if kind != "Top" or system.top_parameters is None:

@@ -1,0 +1,1 @@
+"""Damping that keeps the geometry: double brackets and metriplectic flows, derived from the bracket."""

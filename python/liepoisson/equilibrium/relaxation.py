@@ -1,0 +1,268 @@
+r"""Relaxation: damping leads a state down to an equilibrium of its leaf, and Newton's method ends the way.
+
+A double bracket lowers H and keeps the leaf, so its orbits go to critical points of H on the leaf, and nearly all of
+them to minima. The approach is exponential where the minimum is nondegenerate; where the orbit has come near, Newton's
+method on the leaf gives the equilibrium to round-off, with its error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.compile.symbols import evaluated
+from liepoisson.damping.damped_system import DampedSystem, double_bracket
+from liepoisson.equilibrium.leaf_equilibria import equilibrium_near
+from liepoisson.equilibrium.linearisation import ComplexArray
+from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.formula.parameters import Parameter, read_parameter
+from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number, as_time
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
+from liepoisson.inputs.deadline import has_passed, seconds_left
+from liepoisson.inputs.given import named
+from liepoisson.inputs.names import MAX_TITLE
+from liepoisson.inputs.refusals import not_a
+from liepoisson.io.tables import Tabular
+from liepoisson.leaf._checks import as_system
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.model.system import System
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import MethodChoice
+from liepoisson.numeric.starts import StartsLike, as_starts
+from liepoisson.numeric.time_scale import time_scale
+from liepoisson.portable import linear
+
+if TYPE_CHECKING:
+    from liepoisson.equilibrium.stability import Equilibrium
+
+FIRST, LONGEST = 32.0, 1e4
+"""The first stretch of the orbit and, by default, its length, in natural times; a stretch is as long as all before."""
+
+_N_TIMES = 65
+"""States that are kept of each stretch."""
+
+
+@explains_its_methods
+@dataclass(frozen=True, eq=False)
+class Relaxation(ReadOnlyArrays, Tabular):
+    r"""The way of a state down to an equilibrium of its leaf.
+
+    Example:
+        >>> found = lp.dissipation.relax(lp.catalog.system("heavy-top"), {"l": (0, 0, 1), "alpha": (0.6, 0, 0.8)})
+        >>> found.outcome, found.equilibrium.nonlinear_stability, round(found.equilibrium.energy, 6)
+        ('arrived', 'stable', -0.776616)
+
+    Attributes:
+        flow: The damped system whose orbit it is.
+        leaf: The leaf of the start.
+        time: Times, shape (time,).
+        state: The orbit, shape (time, component).
+        energy: H along it, less $\sum_j\Omega_j K_j$ where integrals were given, shape (time,).
+        outcome: "arrived" at a minimum; "saddle": it is at an equilibrium that is none; "undecided": it is at rest, and
+            the equilibrium is "undecided"; "not arrived" by the end of the time, as where minima are degenerate; "time
+            limit"; or how the orbit failed, as where H is not bounded on the leaf: "step too small", "not finite", "max
+            steps".
+        equilibrium: The equilibrium next to the end of the orbit, with its stability, its residual and a bound on its
+            error (`distance`), or None where Newton's method found none.
+        gap: How far the end of the orbit is from it, in units in which states of the leaf are of order one.
+    """
+
+    flow: DampedSystem
+    leaf: Leaf
+    time: Array
+    state: Array
+    energy: Array
+    outcome: str
+    equilibrium: Equilibrium | None
+    gap: float
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: time, energy and state along the orbit."""
+        return {"time": self.time, "energy": self.energy} | dict(
+            zip(self.flow.component_names, self.state.T, strict=True)
+        )
+
+    @cached_property
+    def spectrum(self) -> ComplexArray:
+        r"""Eigenvalues of the damped flow at the equilibrium, along the leaf, by decreasing real part.
+
+        As $J\nabla H = 0$ there, the flow is $(1 + \gamma J g)A$ to first order, with $A = D(J\nabla H)$. Of an
+        equilibrium in a family the zeros belong to the family.
+        """
+        if self.equilibrium is None:
+            return np.zeros(0, complex)
+        x, flow, system = self.equilibrium.state, self.flow, self.flow.undamped
+        n = len(x)
+        entries: Any = [flow.rate, *cast("Any", flow.metric), *system.jacobian]
+        rate, *others = evaluated(system.variables, entries, x)
+        metric, derivative = np.reshape(others, (2, n, n))
+        turned = np.eye(n) + rate * linear.matmul(system.functions.poisson_tensor(x), metric)
+        basis = self.leaf.tangent_basis(x)
+        values = linear.eigvals(linear.matmul(linear.matmul(basis.T, linear.matmul(turned, derivative)), basis))
+        return values[np.lexsort((values.imag, -values.real))]
+
+    @property
+    def decay(self) -> float:
+        """The rate of the approach: the smallest decay rate of the flow at the equilibrium, apart from its family."""
+        values = self.spectrum
+        nullity = 0 if self.equilibrium is None else self.equilibrium.nullity
+        others = np.delete(values, np.argsort(np.abs(values))[:nullity])
+        return float(-others.real.max()) if len(others) else np.nan
+
+    def __repr__(self) -> str:
+        where = "" if self.equilibrium is None else f" at energy {self.equilibrium.energy:.6g}"
+        falls = f"from {self.energy[0]:.6g} to {self.energy[-1]:.6g} in t = {self.time[-1]:g}"
+        return f"<Relaxation of {self.flow.undamped.name!r}: {self.outcome}{where}; {falls}>"
+
+
+@explains_its_arguments
+def relax(
+    system: System | DampedSystem,
+    start: StartsLike,
+    *,
+    along: Mapping[str, Parameter] | None = None,
+    t_end: float | None = None,
+    tol: float = 1e-6,
+    method: MethodChoice | None = None,
+    time_limit: float = TIME_LIMIT,
+) -> Relaxation:
+    r"""The equilibrium to which a state relaxes on its leaf: a minimum of H, or of $H - \sum_j\Omega_j K_j$.
+
+    The orbit of the double bracket, $\dot x = J\nabla H + \gamma J g J\nabla H$, is followed until Newton's method on
+    the leaf of the start finds an equilibrium within `tol` of it that is a minimum. Of a system, $\gamma = 1/|J|$ at
+    the start and g is the identity; a damped system has its own.
+
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+        >>> found = lp.dissipation.relax(lp.dissipation.double_bracket(body, "1/10"), [1, 1, 1])
+        >>> found.outcome, found.equilibrium.state.round(9) ** 2, round(found.decay, 9)
+        ('arrived', array([0., 0., 3.]), 0.125)
+
+    Args:
+        system: A system whose parameters are all numbers, or one damped by a double bracket.
+        start: One state, shape (N,), or vectors and components by name, the others being zero.
+        along: Values of $\Omega_j$ by integrals, by their names in `system.invariants` or as formulas: with
+            {"l3": "1/2"} a steady rotation at this rate is sought, a minimum of $H - \Omega\,\ell_3$.
+        t_end: The longest orbit; by default 10,000 natural times.
+        tol: How near the orbit must come, in units in which states of the leaf are of order one.
+        method: How; by default `Taylor()`.
+
+    Raises:
+        ParameterError: the system is none, is metriplectic or depends on time, or an integral of `along` is not
+            constant; a number is wrong.
+        ShapeError: not one state.
+        LeafError: the equations of the leaf are not known.
+        TimeLimitError: the time limit passes before the orbit begins.
+
+    References: [bloch1996].
+    """
+    tol = as_number(tol, "tol", "a number between 0 and 1")
+    if not 0 < tol < 1:
+        raise ParameterError(f"tol: wanted a number between 0 and 1; got {tol:g}; try tol=1e-6")
+    longest = None if t_end is None else as_time(t_end, "t_end", example=1000)
+    own = _undamped(system)
+    states = as_starts(own, start, len(own.component_names))
+    if len(states) != 1:
+        raise ShapeError(f"start: wanted one state, shape ({states.shape[-1]},); got {len(states)}; relax them in turn")
+    with as_deadline(time_limit).running():
+        lowered = _lowered(own, along)
+        leaf = Leaf.through(lowered, states[0])
+        _ = leaf.equations  # refused before anything is computed
+        flow = system if isinstance(system, DampedSystem) and lowered is own else _damped(system, lowered, states[0])
+        return _relaxed(flow, leaf, longest, tol, method)
+
+
+def _undamped(system: Any) -> System:
+    if not isinstance(system, DampedSystem):
+        return as_system(system)
+    if system.entropy is not None:
+        raise ParameterError(
+            f"system: wanted one whose energy falls; {system.name} is metriplectic, and keeps it; integrate it, and "
+            "see end_state"
+        )
+    if not system.rate:
+        raise ParameterError(f"system: wanted one that is damped; {system.name} has the rate 0; give a positive one")
+    return as_system(system.undamped)
+
+
+def _lowered(system: System, along: Any) -> System:
+    r"""The system with the Hamiltonian $H - \sum_j\Omega_j K_j$."""
+    from sympy import sympify
+
+    given = named({} if along is None else along, "along")
+    if given is None:
+        raise not_a("a rate for each integral by name", along, "along", 'write for example along={"l3": "1/2"}')
+    energy: Any = system.hamiltonian
+    integrals: dict[str, Any] = {}
+    rates: dict[str, Any] = {}
+    for name, value in given.items():
+        integrals[name] = integral = cast("Any", system.expression(name))
+        if not system.is_constant(integral):
+            raise ParameterError(f"along: wanted integrals of {system.name}; {name} is not constant; leave it out")
+        rates[name] = read_parameter(value, f"along: {name}")
+        energy -= sympify(rates[name]) * integral
+    if not given:
+        return system
+    words = " - ".join(["H", *(f"{value}*{name}" for name, value in rates.items())])
+    found = System(system.bracket, energy, name=f"{system.name}, {words}"[:MAX_TITLE])
+    known = {f"K{k}": f for k, f in enumerate(integrals.values(), start=1) if found.is_constant(f)}
+    return System(found.bracket, energy, name=found.name, integrals=known)
+
+
+def _damped(given: System | DampedSystem, system: System, state: Array) -> DampedSystem:
+    """The system with the damping that was given, or with the rate 1/|J|."""
+    if isinstance(given, DampedSystem):
+        values = {name: value for name, value in given.values.items() if given.is_of_damping(name)}
+        return DampedSystem(system, given.damping, values)
+    size = float(norm(system.functions.poisson_tensor(state)))
+    return double_bracket(system, float(f"{1 / size:.3g}") if 0 < size < np.inf else 1)
+
+
+def _relaxed(
+    flow: DampedSystem, leaf: Leaf, longest: float | None, tol: float, method: MethodChoice | None
+) -> Relaxation:
+    x, units = leaf.state, leaf.in_units().units
+    unit = float(time_scale(flow, x, method=method, time_limit=seconds_left(TIME_LIMIT))[0])
+    unit = unit if 0 < unit < np.inf else 1.0  # all that is near is at rest
+    longest = LONGEST * unit if longest is None else longest
+    times, states, t = [np.zeros(1)], [x[None]], 0.0
+    found: Equilibrium | None = None
+    outcome, gap = "not arrived", np.inf
+    while t < longest and outcome == "not arrived":
+        if has_passed():
+            outcome = "time limit"
+            break
+        end = min(max(2 * t, FIRST * unit), longest)
+        run = integrate(
+            flow, x, times=np.linspace(t, end, _N_TIMES), method=method, time_limit=seconds_left(TIME_LIMIT)
+        )
+        reached = np.isfinite(run.state[0]).all(axis=-1)
+        times.append(run.time[1:][reached[1:]])
+        states.append(run.state[0, 1:][reached[1:]])
+        x, t = run.end_state[0], end
+        if run.outcome[0] != "finished":
+            outcome = str(run.outcome[0])
+        elif (near := _near(leaf, x)) is not None:
+            gap = float(norm((x - near.state) / units))
+            found = near
+            if gap <= tol and near.family != "undecided" and not near.signature[1]:
+                outcome = "arrived"
+    if outcome == "not arrived" and found is not None and gap <= tol:
+        outcome = "saddle" if found.signature[1] else "undecided"
+    path = np.concatenate(states)
+    energy = leaf.system.functions.energy(path)
+    return Relaxation(flow, leaf, np.concatenate(times), path, energy, outcome, found, gap)
+
+
+def _near(leaf: Leaf, x: Array) -> Equilibrium | None:
+    """What Newton's method finds from a state, on its leaf: that of the start, up to the drift of the Casimirs."""
+    try:
+        return equilibrium_near(leaf.system, x)
+    except (LeafError, ParameterError):
+        return None

@@ -1,0 +1,104 @@
+r"""Relaxation ends at the minima that the theory and the algebra name, at the rate of the linearised flow."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+
+EULER = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+HEAVY = lp.catalog.system("heavy-top")
+LAGRANGE = lp.catalog.system("lagrange")
+START = {"l": (0.2, 0, 1), "alpha": (0.6, 0, 0.8)}
+relax = lp.dissipation.relax
+
+
+def test_the_body_relaxes_to_the_axis_of_the_largest_moment_at_the_rate_of_the_linearised_flow():
+    """The decay is c L^2 (1/I1 + 1/I2 - 2/I3)/2; energies fall at twice that."""
+    found = relax(lp.dissipation.double_bracket(EULER, "1/10"), [1, 1, 1])
+    one = found.equilibrium
+    assert found.outcome == "arrived"
+    assert one.nonlinear_stability == "stable"
+    assert np.abs(np.abs(one.state) - [0, 0, np.sqrt(3)]).max() <= 1e-15 + one.distance
+    assert found.decay == pytest.approx(0.1 * 3 * (1 + 1 / 2 - 2 / 3) / 2, rel=1e-12)
+    assert (np.diff(found.energy) <= 1e-15).all()
+    late = (found.energy - one.energy > 1e-12) & (found.time > 20)
+    slope = np.polyfit(found.time[late], np.log(found.energy[late] - one.energy), 1)[0]
+    assert slope == pytest.approx(-2 * found.decay, rel=0.02)
+
+
+def test_the_spectrum_is_that_of_the_derivative_of_the_damped_equations():
+    damped = lp.dissipation.double_bracket(HEAVY, "1/3", metric=[1, 2, 3, 4, 5, 6])
+    found = relax(damped, START)
+    x = found.equilibrium.state
+    jacobian = np.array(damped.jacobian.subs(dict(zip(damped.variables, x, strict=True))), float)
+    basis = found.leaf.tangent_basis(x)
+    wanted = np.linalg.eigvals(basis.T @ jacobian @ basis)
+    assert np.abs(np.sort_complex(found.spectrum) - np.sort_complex(wanted)).max() < 1e-12
+
+
+@pytest.mark.parametrize("casimirs", [{"C1": 0, "C2": 1}, None])
+def test_the_heavy_top_relaxes_on_its_leaf_to_the_lowest_equilibrium(casimirs):
+    """The lowest of those that the algebra lists; without momentum about the vertical it hangs."""
+    start = lp.Leaf(HEAVY, casimirs).project([0.3, 1, 0.2, 0.5, 0.1, 0.9]) if casimirs else START
+    found = relax(HEAVY, start)
+    lowest = min(lp.equilibria(HEAVY, found.leaf), key=lambda one: one.energy)
+    assert found.outcome == "arrived"
+    assert np.abs(found.equilibrium.state - lowest.state).max() < 1e-10
+    for name, casimir in found.leaf.casimir_functions.items():
+        assert np.ptp(casimir(found.state)) < 1e-14, name
+    assert found.time[-1] < 200
+    if casimirs:
+        assert found.equilibrium.energy == pytest.approx(-1, abs=1e-14)
+
+
+def test_with_an_integral_it_relaxes_to_a_steady_rotation():
+    """A minimum of H - W l3 is a relative equilibrium that turns with W about the axis of the body."""
+    found = relax(LAGRANGE, START, along={"l3": "1/2"})
+    one = lp.phase_space.equilibrium(LAGRANGE, found.equilibrium.state, along=("l3",))
+    assert found.outcome == "arrived"
+    assert one.omega["l3"] == pytest.approx(0.5, rel=1e-9)
+    damped = lp.dissipation.double_bracket(LAGRANGE, "c", metric=[1, 1, 1, 2, 2, 2], parameters={"c": "1/2"})
+    other = relax(damped, START, along={"l3": "1/2"})
+    assert other.equilibrium.energy == pytest.approx(one.energy - one.state[2] / 2, abs=1e-12)
+
+
+def test_outcomes_say_where_it_did_not_arrive():
+    at_saddle = relax(EULER, [0, 1, 0], t_end=100)
+    assert (at_saddle.outcome, at_saddle.equilibrium.linear_stability) == ("saddle", "unstable")
+    assert at_saddle.decay < 0
+    fluid = relax(lp.catalog.system("zeitlin-3"), np.arange(8) / 7, t_end=300)  # a family without known symmetry
+    assert (fluid.outcome, fluid.equilibrium.family) == ("undecided", "undecided")
+    unbounded = relax(lp.System(lp.canonical(1), "dot(p, p)/2 - q1^4/4"), [1, 0])
+    assert (unbounded.outcome, unbounded.equilibrium) == ("step too small", None)
+    assert relax(EULER, [1, 1, 1], t_end=1).outcome == "not arrived"
+    flat = relax(lp.System(lp.canonical(1), "dot(p, p)/2 + q1^4/4"), [1, 0], t_end=100)
+    assert flat.outcome == "not arrived"
+    assert "not arrived" in repr(flat)
+    away = relax(EULER, [0, 1, 1e-9])  # from beside the saddle, it does not stay there
+    assert away.outcome == "arrived"
+
+
+def test_in_other_units_it_arrives_alike():
+    c = 1e6
+    one, other = relax(EULER, [1, 1, 1]), relax(EULER, [c, c, c])
+    assert other.outcome == "arrived"
+    assert np.abs(np.abs(other.equilibrium.state) / c - np.abs(one.equilibrium.state)).max() < 1e-12
+
+
+WRONG = {
+    "metriplectic": (lambda: relax(lp.dissipation.metriplectic(EULER, "C1"), [1, 1, 1]), "metriplectic"),
+    "no damping": (lambda: relax(lp.dissipation.double_bracket(EULER, 0), [1, 1, 1]), "rate 0"),
+    "no system": (lambda: relax(lp.VectorField({"x": "-x"}), [1]), "wanted a system"),
+    "many states": (lambda: relax(EULER, np.eye(3)), "wanted one state"),
+    "no integral": (lambda: relax(HEAVY, START, along={"l1": 1}), "not constant"),
+    "no mapping": (lambda: relax(HEAVY, START, along="l3"), "by name"),
+    "tolerance": (lambda: relax(EULER, [1, 1, 1], tol=0), "tol"),
+    "time": (lambda: relax(EULER, [1, 1, 1], t_end=-1), "t_end"),
+}
+
+
+@pytest.mark.parametrize(("call", "words"), WRONG.values(), ids=[*WRONG])
+def test_what_cannot_relax_is_refused(call, words):
+    with pytest.raises((lp.errors.ParameterError, lp.errors.ShapeError)) as caught:
+        call()
+    assert words in str(caught.value)
