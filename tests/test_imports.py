@@ -141,6 +141,12 @@ def test_commands_on_rational_systems_import_no_computer_algebra(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"a.csv", "kovalevskaya-orbit.png", "a.svg", "b.png"}
 
 
+def test_an_orbit_of_a_typed_system_imports_no_computer_algebra(tmp_path):
+    """Energy, Casimirs and the integrals of the catalog are evaluated as the core reads them."""
+    names = ("toda", "double-pendulum", "goryachev", "gyrostat", "kepler-on-the-sphere", "spring-pendulum")
+    assert loaded_by([("orbit", name, "--t-end", "1") for name in names], tmp_path) == [[]] * len(names)
+
+
 @pytest.mark.parametrize("system", ["kovalevskaya", "zeitlin-5"])
 def test_a_description_loads_no_numpy(system):
     """It has no arrays; its matrices are small enough that Python is done before NumPy is loaded."""

@@ -181,7 +181,7 @@ def test_formulas_for_a_paper(command, line):
 SAID = {
     "painleve henon-heiles-kdv --free B": (0, "For general values of the symbols."),
     "painleve henon-heiles-kdv --weights 1,2,2,3": (0, "orders of poles: 1 for x; 2 for y, p_x; 3 for p_y"),
-    "painleve twisted-top --time-limit 0.01": (1, "verdict: undecided"),
+    "painleve twisted-top --time-limit 1": (1, "verdict: undecided"),  # of which reading the equations needs 0.01
     "integrals heavy-top --set I=2,2,1 --set a=0,0,1 --degree 1": (0, "F1 = l3"),
     "families top.toml --set J1=1 --set J2=1 --set a2=0 --positive J3 --degree 3 --on C1=0": (
         0, "if a3 = 0, J3 - 4 = 0",

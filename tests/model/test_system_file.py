@@ -138,6 +138,7 @@ source = "printed in a book"
     [
         ("name =", "nmae =", r"line 2: nmae: .*Did you mean name"),
         ("algebra  ", "algebre  ", r"line 5: \[bracket\] algebre: .*Did you mean algebra"),
+        ("[bracket]", "[equation]", r"line 4: equation: .*Did you mean equations"),
         ('algebra   = "so(3)"', "", r"line 4: bracket: wanted one of algebra, structure_constants or matrices"),
         ('"so(3)"', '"os(3)"', r"line 5: \[bracket\] algebra: the Lie algebra 'os' is unknown"),
         ('"so(3)"', '"so(3)"\nmatrices = [[[1]]]', "exclude each other"),

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from sympy import Symbol, cos, symbols
 
 import liepoisson as lp
-from liepoisson.errors import BracketError, ExpressionError, ParameterError, SystemFileError
+from liepoisson.errors import BracketError, ExpressionError, ParameterError, SystemFileError, UnsupportedFieldError
 from liepoisson.model.system_file_reader import parse_system_file
 from liepoisson.model.system_text import system_text
 from liepoisson.poincare.section_coordinates import levels_of
@@ -118,6 +118,14 @@ def test_a_name_that_is_known_is_not_time():
     assert torque.clock is None
     time = lp.System(lp.canonical(names=["t"]), "p_t^2/2 + t^2/2")
     assert time.component_names == ("t", "p_t")
+
+
+def test_a_splitting_of_a_system_with_time_is_refused_for_its_time():
+    for system in (FORCED, TOP):
+        with pytest.raises(
+            UnsupportedFieldError, match="wanted a Hamiltonian without time; got one that depends on t;"
+        ):
+            system.pieces()
 
 
 @pytest.mark.parametrize("system", [FORCED, TOP, lp.System(lp.canonical(1), "dot(p, p)/2 + q1*t")], ids=str)

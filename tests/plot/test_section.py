@@ -31,6 +31,10 @@ def test_each_trajectory_has_its_points_and_a_colour(points):
 
 
 def test_kept_functions_are_coordinates():
+    states = np.random.default_rng(0).standard_normal((9, 3))
+    assert default_axes(("x", "y", "z"), states) == default_axes(("x", "y", "z"), states[:0]) == ("x", "y")
+    assert default_axes(("x", "y", "z"), states * [0, 1, 1]) == ("y", "z")
+    assert default_axes(("x1", "x2", "x3"), states[:0], surface="x1 - 1") == ("x2", "x3")
     kept = lp.section(TOP, lp.sample_states(TOP, 2, seed=1), surface="l3", t_end=60, keep=("l1", "dot(l, alpha)"))
     for source in (kept, kept.dataset):
         ax = draw(source, "l1", "dot(l, alpha)", ylabel="c")

@@ -59,6 +59,13 @@ def test_a_pendulum_at_rest_lies_in_its_own_surface_alone():
     assert top.unresolved_time.max() == 0
 
 
+def test_of_a_time_below_round_off_the_warning_claims_no_more_than_it_knows():
+    circle = lp.VectorField({"x": "-y", "y": "x"})
+    with pytest.warns(lp.errors.SurfaceWarning, match=r"to round-off, .* a larger t_end"):
+        lp.section(circle, [0.6, 0.8], surface="x - 0.6", t_end=1e-15)
+    assert not len(lp.section(circle, [0.6, 0.8], surface="x - 0.6", t_end=1e-12).time)
+
+
 def crossings_of_samples(values, times, level):
     """Where sampled values pass levels 2 pi k + level, by the linear rule, and in which direction."""
     turns = np.floor((values - level) / (2 * np.pi))

@@ -117,6 +117,11 @@ def test_the_plus_bracket_has_the_other_sign_and_the_same_casimirs():
     ("call", "error", "words"),
     [
         (lambda: TOP.with_casimirs(["dot(l, l)"]), BracketError, r"J grad C = 0; got .* is no Casimir: \{"),
+        (
+            lambda: lp.PoissonTensor(["x", "y"], {("x", "y"): "x"}, casimirs=["y"]),
+            BracketError,
+            r"is no Casimir: \{x, ",
+        ),
         (lambda: TOP.with_casimirs(["3"]), BracketError, "depend on the coordinates; got 3"),
         (lambda: TOP.with_casimirs("dot(l, l)"), ParameterError, "casimirs must be a list of functions"),
         (lambda: TOP.is_casimir("dot(l, k)"), ExpressionError, "k"),

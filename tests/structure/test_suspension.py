@@ -28,7 +28,10 @@ def test_time_and_its_momentum_are_a_pair_that_commutes_with_all_others(base):
 def test_casimirs_are_those_of_the_bracket():
     assert Suspension(TWISTED).casimirs() == TWISTED.casimirs()
     known = LINKED.with_casimirs(["log(x) + k*log(z)"])
-    assert Suspension(known).casimirs() == known.casimirs()
+    whole = Suspension(known)
+    assert whole.casimirs() == known.casimirs()
+    again = whole.with_casimirs(whole.casimirs())
+    assert (again.clock, again.casimirs()) == (whole.clock, known.casimirs())
 
 
 def test_symbols_of_bracket_and_period_take_values():

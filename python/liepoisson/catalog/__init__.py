@@ -7,6 +7,7 @@ Importing this module imports neither NumPy nor SymPy.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -108,7 +109,7 @@ def entry(name: str) -> SystemFile:
     """
     from liepoisson.model.system_file_reader import read_system_file
 
-    return read_system_file(path(name))
+    return replace(read_system_file(path(name)), proved=True)
 
 
 @explains_its_arguments

@@ -78,10 +78,10 @@ def _is_path(argument: str) -> bool:
 
 def read_file(argument: str) -> SystemFile:
     """The system file that an argument names: a path if it looks like one or exists, else a name of the catalog."""
-    from liepoisson.catalog import path
+    from liepoisson.catalog import entry
     from liepoisson.model.system_file_reader import read_system_file
 
-    return read_system_file(argument if _is_path(argument) else path(argument))
+    return read_system_file(argument) if _is_path(argument) else entry(argument)
 
 
 def _read_any_file(argument: str) -> SystemFile | VectorFieldFile:

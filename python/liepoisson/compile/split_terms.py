@@ -46,18 +46,18 @@ def pieces_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Piece
 
     Raises:
         ParameterError: a parameter is symbolic, or a coefficient does not fit into a double.
-        UnsupportedFieldError: the Hamiltonian is not a polynomial, or needs more than 1000 pieces; or the bracket is
-            not linear or has a constant part, so that the flow of a piece is not linear in the state.
+        UnsupportedFieldError: the Hamiltonian depends on time, is not a polynomial, or needs more than 1000 pieces; or
+            the bracket is not linear or has a constant part, so that the flow of a piece is not linear in the state.
     """
-    if not bracket.is_linear:
+    if bracket.clock is not None:
         raise UnsupportedFieldError(
-            f"splitting: wanted a bracket that is linear in the state; got {bracket!r}; use the Taylor or a Gauss "
-            "method"
+            f"splitting: wanted a Hamiltonian without time; got one that depends on {bracket.clock}; use the Taylor or "
+            "a Gauss method"
         )
-    if bracket.constant:
+    if not bracket.is_linear or bracket.constant:
+        got = f"{bracket!r}, which has a constant part" if bracket.is_linear else repr(bracket)
         raise UnsupportedFieldError(
-            f"splitting: wanted a bracket that is linear in the state; got {bracket!r}, which has a constant part; use "
-            "the Taylor or a Gauss method"
+            f"splitting: wanted a bracket that is linear in the state; got {got}; use the Taylor or a Gauss method"
         )
     if isinstance(hamiltonian, RationalPolynomial):
         powers = powers_of_forms(hamiltonian.expanded)

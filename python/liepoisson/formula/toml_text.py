@@ -108,10 +108,11 @@ class TomlReader:
         known: Sequence[str],
         below: Mapping[str, str] | None = None,
     ) -> None:
-        """Refuse unknown keys; of some it is known where they belong."""
+        """Refuse unknown keys; of some, which may be meant by a misspelt one, too, it is known where they belong."""
+        elsewhere = below or {}
         for key in table:
             if key not in known:
-                hint = (below or {}).get(key) or did_you_mean(key, known).strip() or "Remove it."
+                hint = elsewhere.get(key) or did_you_mean(key, (*known, *elsewhere)).strip() or "Remove it."
                 raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")
 
     def guarded(self, keys: tuple[str | int, ...], read: Callable[[], T]) -> T:

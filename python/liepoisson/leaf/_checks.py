@@ -35,7 +35,7 @@ def as_system(system: Any) -> System:
             f"system: wanted one whose state is a point of its phase space; {system.name} has {found} besides, found "
             "by quadrature; make it without quadratures"
         )
-    if system.polynomial_hamiltonian is not None:
+    if system.polynomial_hamiltonian is not None or system.typed_hamiltonian is not None:
         return system
     in_energy = {str(symbol) for symbol in system.hamiltonian.free_symbols if symbol not in system.variables}
     if free := in_energy | system.bracket.symbols:

@@ -7,7 +7,7 @@ The rest follows: values at many states, functions that are read from texts, and
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -151,6 +151,11 @@ class EquationsOfMotion:
     def polynomial_invariants(self) -> dict[str, RationalPolynomial] | None:
         """The `invariants` in the same way; None where one of them is no rational polynomial."""
         raise NotImplementedError
+
+    @cached_property
+    def _typed_invariants(self) -> Mapping[str, Callable[[ArrayLike], NDArray[np.float64]]] | None:
+        """The `invariants` as functions of arrays that need no SymPy; None where they cannot be had so."""
+        return None
 
     @cached_property
     def _polynomials(self) -> PolynomialEquations | None:
@@ -297,6 +302,8 @@ class EquationsOfMotion:
         if (known := self.polynomial_invariants) is not None:
             values = values_of(known.values(), self._states(states))
             return {name: values[..., k].copy() for k, name in enumerate(known)}
+        if (typed := self._typed_invariants) is not None:
+            return {name: function(states) for name, function in typed.items()}
         return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), states), strict=True))
 
     def without_value(self, states: ArrayLike) -> dict[str, NDArray[np.bool_]]:

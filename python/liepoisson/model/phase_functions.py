@@ -22,8 +22,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.algebra.rational_polynomials import expression_of, values_of
+from liepoisson.algebra.rational_polynomials import RationalPolynomial, expression_of, values_of
 from liepoisson.compile.symbols import evaluated, first_of_equal, name_of_function
+from liepoisson.compile.tape_values import values_of_tape
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_phase_points
 from liepoisson.inputs.arrays import Array
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from flint import arb
     from sympy import Expr, Symbol
 
-    from liepoisson.algebra.rational_polynomials import RationalPolynomial
+    from liepoisson.compile.field import TapeFunction
     from liepoisson.model.system import System
     from liepoisson.model.trace_values import TraceSum
     from liepoisson.structure.bracket import Bracket
@@ -75,6 +76,7 @@ class PhaseFunction:
             )
         self._polynomial: RationalPolynomial | None = None
         self._pair: tuple[RationalPolynomial, RationalPolynomial] | None = None
+        self._tape: TapeFunction | None = None
         self._given: Callable[[], Expr] = partial(_itself, read)
         self._components = system.component_names
         self._n = len(self._components)
@@ -87,7 +89,7 @@ class PhaseFunction:
     ) -> PhaseFunction:
         """A polynomial, which needs no compilation, and what makes the expression that is the same."""
         function = cls.__new__(cls)
-        function._polynomial, function._pair, function._given = polynomial, None, expression
+        function._polynomial, function._pair, function._tape, function._given = polynomial, None, None, expression
         function._components, function._fields, function._system = system.component_names, system.parts_of_state, system
         function._n = len(function._components)
         return function
@@ -99,6 +101,13 @@ class PhaseFunction:
         """The angle of a pair of polynomials y and x, which needs no compilation for its values and gradients."""
         function = cls.of_polynomial(system, pair[0], expression)
         function._polynomial, function._pair = None, pair
+        return function
+
+    @classmethod
+    def of_text(cls, system: System, text: str, expression: Callable[[], Expr]) -> PhaseFunction:
+        """A text that the core reads, whose values need no SymPy, and what makes the expression that is the same."""
+        function = cls.of_polynomial(system, RationalPolynomial.constant(0), expression)
+        function._polynomial, function._tape = None, system.function_tape(text)
         return function
 
     @property
@@ -139,6 +148,8 @@ class PhaseFunction:
         if self._pair is not None:
             y, x = np.moveaxis(values_of(self._pair, self._states(states)), -1, 0)
             return elementary.arctan2(y, x)
+        if self._tape is not None:
+            return values_of_tape(self._tape, self._states(states))[..., 0]
         if self._traces is not None:
             return self._traces.value(self._states(states))
         return self._evaluate(self._values, states, ())
@@ -282,13 +293,20 @@ class PhaseFunctions:
         system, polynomial = self._system, self._system.polynomial_hamiltonian
         if polynomial is not None:
             return self.of_polynomial(polynomial, partial(getattr, system, "hamiltonian"))
+        if (text := system.typed_hamiltonian) is not None:
+            return PhaseFunction.of_text(system, text, partial(getattr, system, "hamiltonian"))
         return self.of(system.hamiltonian)
+
+    def of_text(self, text: str) -> PhaseFunction:
+        """A text that the core reads, whose values need no SymPy."""
+        return PhaseFunction.of_text(self._system, text, partial(self._system.expression, text))
 
     @cached_property
     def casimirs(self) -> dict[str, PhaseFunction]:
         """The Casimirs of the open stratum by name, C1, C2, ..."""
-        bracket = self._system.bracket
-        polynomials = None if self._system.polynomial_hamiltonian is None else bracket.polynomial_casimirs()
+        system, bracket = self._system, self._system.bracket
+        has_no_symbols = system.polynomial_hamiltonian is not None or system.typed_hamiltonian is not None
+        polynomials = bracket.polynomial_casimirs() if has_no_symbols else None
         if polynomials is None:
             return {f"C{k}": self.of(casimir) for k, casimir in enumerate(bracket.casimirs(), start=1)}
         return {

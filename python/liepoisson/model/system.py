@@ -28,7 +28,8 @@ from liepoisson.model.hamiltonian import (
     scope_of,
 )
 from liepoisson.model.time_dependence import check_period, given_text, suspended
-from liepoisson.structure.bracket import Bracket, with_coefficients
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.coordinates import with_coefficients
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.given_expressions import check_real
 from liepoisson.structure.lie_algebra import LieAlgebra
@@ -110,6 +111,9 @@ class System(EquationsOfMotion):
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         BracketError: a parameter is named like a coordinate.
     """
+
+    integrals_are_proved: bool = False
+    """Whether the given integrals are constant, as was proved before; else they are looked at where they are used."""
 
     _knows_time: ClassVar[bool] = True
     """Whether t is time in the Hamiltonian."""
@@ -351,6 +355,27 @@ class System(EquationsOfMotion):
         from liepoisson.compile.lowering import lower
 
         return lower(self.bracket, self.hamiltonian)
+
+    @cached_property
+    def _typed_invariants(self) -> dict[str, PhaseFunction] | None:
+        """The `invariants` of a system that the core reads, by their texts and polynomials, without SymPy.
+
+        None where the Casimirs are no rational polynomials, for a top, and where given integrals are not proved yet.
+        """
+        texts = {name: text for name, text in self._given_integrals.items() if isinstance(text, str)}
+        read = self.typed_hamiltonian is not None and len(texts) == len(self._given_integrals)
+        if not read or (texts and not self.integrals_are_proved) or self.top_parameters is not None:
+            return None
+        if self.bracket.polynomial_casimirs() is None:
+            return None
+        found = {"H": self.functions.energy, **self.functions.casimirs}
+        return found | {name: self.functions.of_text(text) for name, text in texts.items() if name not in found}
+
+    @property
+    def typed_hamiltonian(self) -> str | None:
+        """The text of the Hamiltonian, if the core reads it without SymPy, with numbers for all parameters."""
+        given = self._given_hamiltonian
+        return given if isinstance(given, str) and self._typed is not None else None
 
     @cached_property
     def _typed(self) -> TypedSystem | None:

@@ -200,7 +200,7 @@ class EquationsFile(ABC):
             "symbols": symbols,
         }
         if hasattr(self, "references"):
-            changes["references"] = ()
+            changes |= {"references": (), "proved": False}
         return replace(cast("Any", self), **changes)
 
 
@@ -230,6 +230,7 @@ class SystemFile(EquationsFile):
         description: What it is, or None.
         path: The file, as messages call it.
         toml: Its text, in which messages find the line of a key; None if there is no such text.
+        proved: Whether the integrals are constant, as the tests of the catalog or `with_constant_integrals` proved.
     """
 
     name: str
@@ -245,6 +246,7 @@ class SystemFile(EquationsFile):
     description: str | None = None
     path: str = "system file"
     toml: TomlText | None = field(default=None, repr=False, compare=False)
+    proved: bool = field(default=False, repr=False, compare=False)
 
     @cached_property
     def scope(self) -> Scope:
@@ -283,7 +285,7 @@ class SystemFile(EquationsFile):
             for name, item in self.integrals.items()
             if item.on is not None or system.is_constant(item.expression)
         }
-        return self if kept == self.integrals else replace(self, integrals=kept)
+        return replace(self, integrals=kept, proved=True)
 
     def system(self) -> System:
         """The system, ready to be inspected or integrated.
@@ -319,7 +321,7 @@ class SystemFile(EquationsFile):
         try:
             if self.quadratures:
                 return self.canonical_system()
-            return System(
+            system = System(
                 self.bracket,
                 self.hamiltonian,
                 cast("Any", self.parameters),
@@ -332,6 +334,8 @@ class SystemFile(EquationsFile):
             )
         except ParameterError as error:
             raise SystemFileError(f"{self.path}: {error}") from error
+        system.integrals_are_proved = self.proved
+        return system
 
     def _is_read_by_the_core(self, text: str) -> bool:
         """Whether the core takes a formula, as SymPy then does; where it does not, SymPy says what is wrong."""

@@ -126,7 +126,7 @@ class _Reader(TomlReader):
                 "wanted a bracket and a Hamiltonian; got equations. A vector field has no bracket: lp.read_system "
                 "reads it, and so do the commands that ask for equations alone (docs/vector-fields.md).",
             )
-        self.check_keys((), tables, _KEYS[""], below)
+        self.check_keys((), tables, _KEYS[""], {**below, "equations": "A vector field has them, and no bracket."})
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))
         given = self.table(("parameters",), tables.get("parameters", {}))

@@ -367,9 +367,10 @@ def section(
       not decided.  A tangency is one.
 
     A start on the surface, within the error, is not counted, unless `start_side` says that it is a crossing, and orbits
-    that lie in the surface cross it nowhere, which a `SurfaceWarning` tells.  An orbit that never meets the surface
-    runs to `t_end`, whatever `n_crossings`; `time_limit` ends it sooner.  Errors that accumulate from step to step are
-    those of `integrate`.
+    that lie in the surface, within the error, from start to end cross it nowhere, which a `SurfaceWarning` tells; where
+    `t_end` is below round-off, all that start on it do.  An orbit that never meets the surface runs to `t_end`,
+    whatever `n_crossings`; `time_limit` ends it sooner.  Errors that accumulate from step to step are those of
+    `integrate`.
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")
@@ -495,7 +496,8 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
             ("the orbit lies", "crosses") if len(in_surface) == 1 else (f"{n} of {len(in_surface)} orbits lie", "cross")
         )
         warnings.warn(
-            f"{lie} in the surface {surface} = 0, from start to end, and {cross} it nowhere; try another surface",
+            f"{lie} in the surface {surface} = 0 to round-off, from start to end, and {cross} it nowhere; try another "
+            "surface, or a larger t_end",
             SurfaceWarning,
             stacklevel=level_of_the_caller(),
         )

@@ -5,8 +5,10 @@ The orbits of a section may lie on several levels of energy and Casimirs: curves
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -201,7 +203,10 @@ def default_axes(
     idle: Collection[str] = (),
     surface: str | None = None,
 ) -> tuple[str, str]:
-    """The last component across and the second up; of coordinates and momenta a coordinate across and its momentum up.
+    """The first component across and the second up, in their order.
+
+    Of several vectors the last component is across and the second up, as alpha3 and l2, of coordinates and momenta a
+    coordinate and its momentum.
 
     Where one of both is constant on the section, or all points are on one line, the two before are taken, and so on: on
     the section y = 0 of a system in (x, y, p_x, p_y) not y and p_y, but x and p_x.
@@ -216,13 +221,13 @@ def default_axes(
             constant if it is the only name in it.
     """
     n = len(components)
-    last, second = (n // 2 - 1, n - 1) if _is_canonical(components) else (n - 1, min(1, n - 1))
     finite = states[np.isfinite(states).all(axis=-1)]
     acting = [k for k in range(n) if components[k] not in idle]
-    if _is_canonical(components):
-        pairs = sorted(_pairs(range(n), last, second), key=lambda pair: not {*pair} <= {*acting})
+    if _has_vectors(components) and not _is_canonical(components):
+        pairs = _pairs(acting, len(acting) - 1, 1) + _pairs(range(n), n - 1, min(1, n - 1))
     else:
-        pairs = _pairs(acting, len(acting) - 1, 1) + _pairs(range(n), last, second)
+        found = _pairs(range(n), n // 2 - 1, n - 1) if _is_canonical(components) else combinations(range(n), 2)
+        pairs = sorted(found, key=lambda pair: not {*pair} <= {*acting})
     if len(finite) > 1:
         others = finite if beside is None else np.concatenate([finite, beside[np.isfinite(beside).all(axis=-1)]])
         sizes = np.abs(others).max(axis=0)
@@ -238,7 +243,8 @@ def default_axes(
         for across, up in pairs:
             if across != up and not any(held == {components[k]} for k in (across, up)):
                 return components[across], components[up]
-    return components[last], components[second]
+    across, up = pairs[0] if pairs else (0, 0)
+    return components[across], components[up]
 
 
 def _names_in(surface: str) -> set[str]:
@@ -262,6 +268,12 @@ def _fills_a_plane(points: Array) -> bool:
     """Whether points are on no line, each coordinate in units of its width."""
     longest, shortest = linear.svd(points / np.ptp(points, axis=0), compute_uv=False)
     return len(points) < 3 or bool(shortest > _ROUND_OFF * longest)
+
+
+def _has_vectors(components: Sequence[str]) -> bool:
+    """Whether there are at least two vectors among the names, such as l1, l2, l3 and alpha1, alpha2, alpha3."""
+    stems = Counter(name.rstrip("0123456789") for name in components)
+    return sum(count > 1 for count in stems.values()) > 1
 
 
 def _is_canonical(components: Sequence[str]) -> bool:

@@ -126,7 +126,7 @@ class Automorphism:
         Raises:
             ParameterError: it is no expression, or has a part that is like a coordinate and none.
         """
-        from liepoisson.structure.bracket import read_function
+        from liepoisson.structure.coordinates import read_function
 
         self._check(bracket)
         fields: list[Any] = list(bracket.fields.values())

@@ -5,25 +5,24 @@ The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, cast
 
-from liepoisson.algebra.exact_numbers import as_expression, exact, substituted, symbols_of, to_sympy
-from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.algebra.exact_numbers import exact, substituted, symbols_of, to_sympy
+from liepoisson.errors import BracketError
 from liepoisson.facades import function_of
-from liepoisson.formula.parameters import Column, Parameter, read_parameter, values_of_symbols
+from liepoisson.formula.parameters import Parameter, values_of_symbols
 from liepoisson.formula.tensors import read_names
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name, check_not_reserved, check_title
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.constant_part import read_constant, with_linear_part_at
+from liepoisson.structure.coordinates import Coordinates, read_function
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
 
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
 
 
 @explains_its_methods
-class Bracket:
+class Bracket(Coordinates):
     r"""The (minus) Lie-Poisson bracket on the dual of g (x) A.
 
     With $x_\lambda$ the field of the basis element $e_\lambda$ of A,
@@ -92,18 +91,6 @@ class Bracket:
     has_algebra: ClassVar[bool] = True
     """Whether the bracket is given by `algebra` and `extension`; a `PoissonTensor` is given by formulas."""
 
-    angles: tuple[str, ...] = ()
-    """Names of the coordinates that are angles: states that differ by a turn of one are the same."""
-
-    clock: ClassVar[str | None] = None
-    """Name of the coordinate that is time; of a `Suspension`."""
-
-    period: Expr | None = None
-    """The period of time there, if there is one."""
-
-    coefficients: frozenset[str] = frozenset()
-    """Names that are like coordinates and stand for coefficients in the functions of a system."""
-
     given_casimirs: tuple[Expr, ...] = ()
     """The Casimirs that the caller gave, checked."""
 
@@ -125,7 +112,7 @@ class Bracket:
         names = self.coordinate_names
         if len(names) < self.dimension:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
-        _check_field_names(self.field_names, names - self._scalars)
+        _check_field_names(self.field_names, names.difference(self.field_names if self.has_scalar_fields else ()))
         self.constant_rows: dict[tuple[int, int], Coefficient] = read_constant(constant, self.coordinate_names_in_order)
         self._name = name if name is None else check_title(name, "the name of a bracket", None)
         self.check_parameter_names(self.symbols)
@@ -158,7 +145,7 @@ class Bracket:
         made.angles = self.angles
         return made
 
-    def with_angles(self, angles: Sequence[str]) -> Bracket:
+    def with_angles(self, angles: Sequence[str]) -> Self:
         r"""The same bracket, of which these coordinates are angles: points of a circle, modulo $2\pi$.
 
         Hamiltonians must then be periodic in them; sections of an angle are taken modulo a turn, and averages and
@@ -273,7 +260,7 @@ class Bracket:
 
     def with_casimirs(
         self, casimirs: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
-    ) -> Bracket:
+    ) -> Self:
         """The same bracket with these known Casimirs in place of its own.
 
         Example:
@@ -320,19 +307,6 @@ class Bracket:
         return tuple(field + base for field, base in product(self.field_names, self.algebra.basis_names))
 
     @property
-    def coordinate_names(self) -> set[str]:
-        """Names of the coordinates, as a set."""
-        return set(self.coordinate_names_in_order)
-
-    def check_parameter_names(self, names: set[str]) -> None:
-        """Refuse parameters that are named like a coordinate: a derivative would take one for the other.
-
-        Raises:
-            BracketError: there is such a name; the message lists them.
-        """
-        check_distinct(self.coordinate_names, names)
-
-    @property
     def symbols(self) -> set[str]:
         """Names of the parameters kept symbolic."""
         own = {name for value in self.constant_rows.values() for name in symbols_of(value)}
@@ -344,44 +318,9 @@ class Bracket:
         return self.algebra.basis_names == ("",)
 
     @property
-    def periods(self) -> dict[str, Expr]:
-        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle, that of time."""
-        from liepoisson.structure.circles import turn
-
-        found = dict.fromkeys(self.angles, turn()) if self.angles else {}
-        return found if self.period is None or self.clock is None else {**found, self.clock: self.period}
-
-    @property
     def vectors(self) -> Mapping[str, Sequence[str]]:
         """The fields that are vectors, with the names of their components: {"l": ("1", "2", "3")} for l1, l2, l3."""
         return {} if self.has_scalar_fields else dict.fromkeys(self.field_names, self.algebra.basis_names)
-
-    @property
-    def scalars(self) -> tuple[str, ...]:
-        """The coordinates that belong to no vector."""
-        inside = {f"{field}{component}" for field, components in self.vectors.items() for component in components}
-        return tuple(name for name in self.coordinate_names_in_order if name not in inside)
-
-    @property
-    def _scalars(self) -> set[str]:
-        """Names of coordinates that are fields of their own."""
-        return set(self.field_names) if self.has_scalar_fields else set()
-
-    @cached_property
-    def variables(self) -> tuple[Symbol, ...]:
-        """The coordinates, field by field: l1, l2, l3, alpha1, ..., beta3 for so(3) and three fields."""
-        from sympy import Symbol
-
-        return tuple(Symbol(name) for name in self.coordinate_names_in_order)
-
-    @property
-    def fields(self) -> dict[str, Column]:
-        """The coordinates as one column vector per field, by name."""
-        from sympy import Matrix
-
-        n = self.field_lengths[0]
-        blocks = (self.variables[i : i + n] for i in range(0, self.dimension, n))
-        return {name: Matrix(block) for name, block in zip(self.field_names, blocks, strict=True)}
 
     def entries(self) -> tuple[tuple[int, int, int, Exact], ...]:
         r"""The linear part as sparse data: all (i, j, m, c) with i < j, $\{x_i, x_j\} = \sum c\,x_m$ and c nonzero.
@@ -861,95 +800,6 @@ class Bracket:
         from liepoisson.structure.trace_casimirs import modulo_casimirs
 
         return modulo_casimirs(expression, self)
-
-    def in_own_variables(self, expression: Expr) -> Expr:
-        """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""
-        own = {str(variable): variable for variable in self.variables}
-        foreign = {
-            s: own[str(s)] for s in expression.free_symbols if s.is_Symbol and str(s) in own and s != own[str(s)]
-        }
-        return cast("Expr", expression.xreplace(foreign)) if foreign else expression
-
-    def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
-        items = listed(point, "point", self.coordinate_names_in_order)
-        if items is None or len(items) != self.dimension:
-            got = f"{len(items)} numbers" if items is not None else repr(point)
-            raise ShapeError(f"point must be {self.dimension} numbers, one per coordinate; got {got}.")
-        return [read_parameter(item, f"point[{k}]") for k, item in enumerate(items)]
-
-    def _read_point(self, point: Sequence[Parameter]) -> list[Exact]:
-        values = self._read_components(point)
-        if free := {name for value in values for name in symbols_of(value)}:
-            raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
-        return values
-
-
-def check_distinct(names: Collection[str], parameters: Collection[str]) -> None:
-    """Refuse parameters that are named like a coordinate: a derivative would take one for the other.
-
-    Raises:
-        BracketError: there is such a name; the message lists them.
-    """
-    if clash := {*names} & {*parameters}:
-        raise BracketError(f"{sorted(clash)} name both coordinates and parameters; rename the parameters.")
-
-
-def read_function(bracket: Bracket, given: object, what: str) -> Expr:
-    """A function of the coordinates that a caller gives, in `variables`.
-
-    Other symbols are coefficients, except what has the name of a coordinate and is none: it would be a constant.  Of a
-    function without any coordinate that holds for names in other letters, too, such as L1 for l1.
-
-    Raises:
-        ParameterError: it is no expression, or has a part that is like a coordinate and none.
-    """
-    from sympy import Indexed, Symbol
-    from sympy.core.function import AppliedUndef
-
-    expression = bracket.in_own_variables(as_expression(given, what))
-    others = expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables)
-    is_constant = not expression.free_symbols & {*bracket.variables}
-    for part in sorted(others, key=lambda part: (-len(str(part)), str(part))):  # l[1] before its parts
-        name = _name_of(part)
-        alike = [known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)]
-        own = next((known for known in alike if is_constant or _letters(known) == _letters(name)), None)
-        if own is None and name in bracket.field_names:
-            own = f"the field {name}"
-        if own is None or (str(part) in bracket.symbols | bracket.coefficients):
-            continue
-        raise ParameterError(
-            f"{what}: wanted the coordinates {', '.join(bracket.field_names)} as in bracket.variables, and "
-            f"coefficients; got {part} ({type(part).__name__}), which is like {own} and none of them. Correct it, "
-            "or rename it if it is a coefficient."
-        )
-    return expression
-
-
-def with_coefficients(bracket: Bracket, names: Iterable[str]) -> Bracket:
-    """The same bracket, of whose functions these names are coefficients, however like coordinates they are."""
-    like = frozenset(names) - bracket.coefficients
-    if not {*map(_plain, like)} & {*map(_plain, bracket.coordinate_names_in_order), *map(_plain, bracket.field_names)}:
-        return bracket
-    made = copy(bracket)
-    made.coefficients = bracket.coefficients | like
-    return made
-
-
-def _name_of(part: Any) -> str:
-    """The name of a symbol, of an entry l[1] or of a function l1(t)."""
-    from sympy.core.function import AppliedUndef
-
-    return part.func.__name__ if isinstance(part, AppliedUndef) else str(getattr(part, "name", part))
-
-
-def _letters(name: str) -> str:
-    """A name without underscores and brackets, so that l[1] and l_1 are like l1."""
-    return re.sub(r"[\W_]", "", name)
-
-
-def _plain(name: str) -> str:
-    """The same in small letters, so that L1 is like l1, too."""
-    return _letters(name).casefold()
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:

@@ -32,8 +32,9 @@ from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.given import is_named, listed, named, sequence
 from liepoisson.inputs.refusals import not_a
-from liepoisson.structure.bracket import Bracket, read_function
+from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.cohomology.change_of_basis import in_basis, inverse
+from liepoisson.structure.coordinates import read_function
 from liepoisson.structure.extension import Extension, Products
 from liepoisson.structure.lie_algebra import LieAlgebra
 

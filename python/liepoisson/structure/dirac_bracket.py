@@ -20,8 +20,9 @@ from liepoisson.errors import BracketError, ConstraintError, ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.constraint_surface import ConstraintSurface
+from liepoisson.structure.given_functions import listed_functions, read_function, scope_of
 from liepoisson.structure.poisson.pfaffians import pfaffian_of
-from liepoisson.structure.tensor_bracket import PoissonTensor, listed_functions, read_function, scope_of, tensor_of
+from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 from liepoisson.structure.tensor_sources import entries_of, known_casimirs
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def dirac_bracket(
     bracket: Bracket, constraints: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str]
 ) -> PoissonTensor:
     """The Dirac bracket; see `Bracket.dirac_bracket`."""
-    functions = _read(constraints, bracket, scope_of(bracket, symbols))
+    functions = _read(constraints, bracket, scope_of(bracket.coordinate_names_in_order, bracket.symbols, symbols))
     entries, x = entries_of(bracket), bracket.variables
     gradients = [[f.diff(v) for v in x] for f in functions]
     field = Coefficients.containing([*x, *entries.values(), *(slope for row in gradients for slope in row)])

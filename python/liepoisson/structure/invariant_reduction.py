@@ -30,7 +30,8 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import by_name
 from liepoisson.inputs.names import check_name
 from liepoisson.structure.bracket import Bracket
-from liepoisson.structure.tensor_bracket import PoissonTensor, read_function, read_variables, scope_of, tensor_of
+from liepoisson.structure.given_functions import read_function, read_variables, scope_of
+from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 from liepoisson.structure.tensor_sources import known_casimirs
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def in_invariants(
     bracket: Bracket, invariants: Mapping[str, str | Expr], *, levels: Mapping[str, str | Expr] | None
 ) -> PoissonTensor:
     """The bracket of some functions; see `Bracket.in_invariants`."""
-    scope = scope_of(bracket, ())
+    scope = scope_of(bracket.coordinate_names_in_order, bracket.symbols, ())
     given = by_name(invariants, "invariants", "functions of the coordinates", '{"r": "q1^2 + q2^2"}')
     names = read_variables(list(given))
     values = {} if levels is None else by_name(levels, "levels", "functions", '{"L": "q1*p2 - q2*p1"}')

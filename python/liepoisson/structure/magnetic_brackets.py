@@ -19,8 +19,9 @@ from liepoisson.errors import BracketError, JacobiError, ParameterError, ShapeEr
 from liepoisson.formula.parameters import GivenValue, Parameter
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed
+from liepoisson.structure.given_functions import read_function, read_variables, scope_with
 from liepoisson.structure.poisson.tensor_entries import TensorEntries
-from liepoisson.structure.tensor_bracket import PoissonTensor, read_function, read_variables, scope_with, tensor_of
+from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 
 if TYPE_CHECKING:
     from sympy import Expr

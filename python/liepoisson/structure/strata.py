@@ -21,7 +21,7 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.casimirs import quotient_casimirs
 from liepoisson.structure.poisson.casimir_search import n_independent
 from liepoisson.structure.poisson.pfaffians import PfaffianIdeal, casimirs_on_parallel_fields, vanish_on_parallel_fields
-from liepoisson.structure.poisson.poisson_tensor import CONSTANT
+from liepoisson.structure.poisson.poisson_tensor import CONSTANT, potential_of_constant_part
 from liepoisson.structure.poisson.polynomials import expression_of
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ def _with_constant_part(bracket: Bracket) -> Stratum:
         reason = f"1 is a combination of Pfaffians of size {rank}" + (f" ({assumption})" if assumption else "")
     if nowhere_less:
         return Stratum(Locus(), rank, casimirs, f"{text}; {reason}", rank == bound, known == n - rank)
-    if bracket.coboundary() is not None:
+    if potential_of_constant_part(tensor) is not None:
         text += "; in the coordinates x + bracket.coboundary() the constant part vanishes: see the strata there"
     return Stratum(Locus(is_generic=True), rank, casimirs, text, False, known == n - rank)
 

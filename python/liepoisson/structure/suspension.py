@@ -19,7 +19,8 @@ from liepoisson.algebra.exact_numbers import substituted, to_sympy
 from liepoisson.formula.parameters import values_of_symbols
 from liepoisson.inputs.names import MOMENTUM_OF_TIME, TIME
 from liepoisson.structure.bracket import Bracket
-from liepoisson.structure.tensor_bracket import PoissonTensor, read_variables
+from liepoisson.structure.given_functions import read_variables
+from liepoisson.structure.tensor_bracket import PoissonTensor
 
 if TYPE_CHECKING:
     from sympy import Expr

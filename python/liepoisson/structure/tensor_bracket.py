@@ -14,29 +14,30 @@ from typing import TYPE_CHECKING, Any, ClassVar, cast
 from liepoisson.algebra.exact_numbers import (
     Coefficient,
     Exact,
-    as_expression,
-    is_sympy,
     is_zero,
-    read_number,
     substituted,
     symbols_of,
     to_sympy,
 )
 from liepoisson.errors import BracketError, JacobiError, ParameterError, ShapeError
-from liepoisson.formula.expression import read_expression
-from liepoisson.formula.parameters import GivenValue, Parameter, flattened, read_values, values_of_symbols
+from liepoisson.formula.parameters import GivenValue, Parameter, values_of_symbols
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.given import is_named, listed, listed_names, named
-from liepoisson.inputs.names import check_name, check_title
-from liepoisson.structure.bracket import Bracket, check_distinct
+from liepoisson.inputs.given import is_named
+from liepoisson.inputs.names import check_title
+from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.constant_part import read_pair
 from liepoisson.structure.given_expressions import (
-    check_real,
     is_finite_and_real,
-    read_expression_in,
-    with_exact_numbers,
 )
+from liepoisson.structure.given_functions import (
+    check_distinct,
+    listed_functions,
+    read_function,
+    read_variables,
+    scope_with,
+)
+from liepoisson.structure.poisson.casimir_check import checked_casimirs
 from liepoisson.structure.poisson.tensor_entries import N_POINTS, TensorEntries
 
 if TYPE_CHECKING:
@@ -46,9 +47,6 @@ if TYPE_CHECKING:
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
     from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix
     from liepoisson.structure.strata import Stratum
-
-MOST_VARIABLES = 100
-"""Coordinates of the largest tensor."""
 
 
 @explains_its_methods
@@ -117,7 +115,8 @@ class PoissonTensor(Bracket):
         title = name if name is None else check_title(name, "the name of a bracket", None)
         self._define(names, _read_entries(entries, names, scope), title)
         self._jacobi = self._checked_jacobi() if check else "not checked"
-        self.given_casimirs = self._read_casimirs(casimirs, scope)
+        functions = listed_functions(casimirs, "casimirs", '["x*y*z"]')
+        self.given_casimirs = checked_casimirs(self, [read_function(one, scope, "a Casimir") for one in functions])
         self.angles = self.with_angles(angles).angles
 
     def _define(self, names: tuple[str, ...], formulas: Mapping[tuple[int, int], Expr], name: str | None) -> None:
@@ -190,24 +189,6 @@ class PoissonTensor(Bracket):
     def kept_entries(self) -> tuple[tuple[int, int, int | None, Exact], ...]:
         """The same as `terms`: formulas are SymPy's."""
         return self.terms()
-
-    def with_casimirs(
-        self, casimirs: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
-    ) -> PoissonTensor:
-        """The same bracket with these known Casimirs in place of its own.
-
-        Args:
-            casimirs: The functions.
-            symbols: Names in them that stay symbolic, besides those of the bracket.
-
-        Raises:
-            BracketError: a function is no Casimir.
-            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-            ParameterError: a function is neither a text nor an expression.
-        """
-        made = self._mapped(self.coordinate_names_in_order, lambda f: f)
-        made.given_casimirs = self._read_casimirs(casimirs, scope_of(self, symbols))
-        return made
 
     def rename(self, *field_names: str) -> PoissonTensor:
         """The same bracket with other names for its coordinates, one by one.
@@ -413,21 +394,6 @@ class PoissonTensor(Bracket):
             raise self._refusal("a constant part")
         return super().coboundary()
 
-    def _read_casimirs(self, given: Any, scope: Scope) -> tuple[Expr, ...]:
-        given = listed_functions(given, "casimirs", '["x*y*z"]')
-        functions = [read_function(one, scope, "a Casimir") for one in given]
-        for function in functions:
-            if not function.free_symbols & {*self.variables}:
-                raise BracketError(
-                    f"a Casimir must depend on the coordinates; got {function}, a constant. Leave it out."
-                )
-            if image := self.formulas.image(function):
-                raise BracketError(
-                    f"a Casimir C must have J grad C = 0; of {function!s:.60} a component is {image[0]!s:.60}, which "
-                    "is not found zero. Correct it, or write it so that it cancels."
-                )
-        return tuple(functions)
-
     def _refusal(self, what: str) -> BracketError:
         return BracketError(
             f"wanted a bracket that is given by a Lie algebra, for its {what}; got {self!r}, which is given by "
@@ -478,50 +444,6 @@ def tensor_of(
     return cast("PoissonTensor", made)
 
 
-def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | None, symbols: Sequence[str]) -> Scope:
-    """The names that formulas may use: coordinates, parameters with values, and names that stay symbolic.
-
-    Raises:
-        BracketError: the value of a parameter depends on a coordinate.
-        ParameterError: the parameters are no mapping, a declaration is none, or a name stands for two things.
-    """
-    declared = listed_names(symbols, "symbols")
-    if declared is None or not all(isinstance(item, str) for item in declared):
-        raise ParameterError(f'symbols must be a list of declarations; got {symbols!r:.60}. Write ["epsilon", "a[3]"].')
-    values: Any = read_values(parameters)
-    check_distinct(names, set[str]().union(*map(symbols_of, flattened(values).values())))
-    return Scope(parameters=values, symbols=(*names, *declared), scalars=names)
-
-
-def scope_of(bracket: Bracket, symbols: Sequence[str]) -> Scope:
-    """The same for functions on the phase space of a bracket, whose own symbols need not be declared again."""
-    names, declared = bracket.coordinate_names_in_order, listed_names(symbols, "symbols")
-    given: Any = symbols if declared is None else declared
-    more = sorted(bracket.symbols.difference(scope_with(names, None, given).numbers()))
-    return scope_with(names, None, [*given, *more])
-
-
-def read_variables(given: object) -> tuple[str, ...]:
-    """The names of coordinates.
-
-    Raises:
-        ShapeError: no sequence of names.
-        BracketError: a name is given twice.
-        ParameterError: a name is none that a user may choose, or there are too many.
-    """
-    items = listed_names(given, "variables")
-    if not items or not all(isinstance(item, str) for item in items):
-        raise ShapeError(
-            f'variables must be a sequence of names; got {given!r:.60}. Write for example ["x", "y", "z"].'
-        )
-    names = tuple(check_name(str(item), "the name of a coordinate") for item in items)
-    if len({*names}) < len(names):
-        raise BracketError(f"coordinates must have distinct names; got {list(names)!s:.100}. Rename one of them.")
-    if len(names) > MOST_VARIABLES:
-        raise ParameterError(f"a tensor must have at most {MOST_VARIABLES} coordinates; got {len(names)}.")
-    return names
-
-
 def _read_entries(given: Any, names: tuple[str, ...], scope: Scope) -> dict[tuple[int, int], Expr]:
     """The nonzero entries by (i, j) with i < j."""
     if not is_named(given):
@@ -546,49 +468,3 @@ def _read_entries(given: Any, names: tuple[str, ...], scope: Scope) -> dict[tupl
             )
         found[key] = entry
     return {pair: entry for pair, entry in sorted(found.items()) if not is_zero(entry)}
-
-
-def read_function(given: Any, scope: Scope, what: str) -> Expr:
-    """A text in the grammar, a number, or an expression in known symbols, with the values of the parameters.
-
-    Raises:
-        ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: it is none of these, not finite and real, or not smooth.
-    """
-    if isinstance(given, str):
-        return read_expression(given, scope, insert_values=True)
-    if not is_sympy(given):
-        return to_sympy(read_number(given, what))
-    from sympy import Derivative, Order, Subs, Symbol
-    from sympy.core.function import AppliedUndef
-
-    expression = as_expression(given, what)
-    known = scope.numbers()
-    unknown = sorted(str(s) for s in expression.atoms(Symbol, AppliedUndef) if str(s) not in known)
-    if unknown:
-        raise ParameterError(
-            f"{what}: wanted an expression in the coordinates and declared parameters; got {unknown[0]}, which is none "
-            f"of them. {scope.suggestion(unknown[0])}. Declare a parameter that has no value, symbols=[...]."
-        )
-    if expression.has(Derivative, Order, Subs):
-        raise ParameterError(f"{what}: wanted a formula that is written out; got {expression!s:.60}. Try .doit().")
-    values: Any = flattened(scope.values)
-    expression = with_exact_numbers(read_expression_in(expression, scope.scalars, known - {*scope.scalars}, values))
-    plain: Any = {s: Symbol(str(s)) for s in expression.free_symbols}
-    function = to_sympy(substituted(cast("Expr", expression.xreplace(plain)), values))
-    check_real(function, what)
-    return function
-
-
-def listed_functions(given: Any, what: str, example: str) -> list[Any]:
-    """The functions of a list, or of a mapping from names.
-
-    Raises:
-        ParameterError: it is neither.
-    """
-    if (by_name := named(given, what)) is not None:
-        return list(by_name.values())
-    items = None if is_sympy(given) else listed(given, what)
-    if items is None:
-        raise ParameterError(f"{what} must be a list of functions; got {given!r:.60}. Write for example {example}.")
-    return items

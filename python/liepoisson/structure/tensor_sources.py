@@ -12,8 +12,9 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import not_a
-from liepoisson.structure.bracket import Bracket, check_distinct
-from liepoisson.structure.tensor_bracket import PoissonTensor, read_function, read_variables, scope_with, tensor_of
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.given_functions import check_distinct, read_function, read_variables, scope_with
+from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -1,6 +1,8 @@
 """All real Lie algebras of dimension four and less: the table, and the name of an algebra."""
 
+from contextlib import suppress
 from fractions import Fraction
+from itertools import product
 from random import Random
 
 import numpy as np
@@ -77,6 +79,22 @@ def numbers(algebra):
 def test_no_two_algebras_of_the_table_are_isomorphic():
     found = [numbers(low_dimensional(name, **values)) for name, values in ROWS]
     assert len({*found}) == len(ROWS)
+
+
+GRID = [Fraction(k, 2) for k in range(-4, 5)]
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_each_algebra_of_a_family_has_one_value_of_its_parameters(name):
+    """No two points of a grid have one spectrum, as A4,5 with -1 and b or -b, and A4,6 with a or -a and 0 would."""
+    keys = [*VALUES[name][0]]
+    taken = {}
+    for values in product(GRID, repeat=len(keys)):
+        with suppress(ParameterError):
+            algebra = low_dimensional(name, **dict(zip(keys, values, strict=True)))
+            taken.setdefault(spectrum(algebra), []).append(values)
+    assert [values for values in taken.values() if len(values) > 1] == []
+    assert taken
 
 
 BIANCHI = {

@@ -69,11 +69,12 @@ _ROWS = {
     ),
     "A4,5": _Row(
         4, {"14": "e1", "24": "a*e2", "34": "b*e3"}, ("e2*e1^(-a)", "e3*e1^(-b)"),
-        {"a": "-1 <= a <= b, a != 0", "b": "a <= b <= 1, b != 0"},
+        {"a": "-1 <= a <= b, a != 0", "b": "a <= b <= 1, b != 0, b > 0 where a = -1"},
     ),
     "A4,6": _Row(
         4, {"14": "a*e1", "24": "b*e2 - e3", "34": "e2 + b*e3"},
-        ("e1*exp(-a*atan(e3/e2))", "(e2^2 + e3^2)*exp(-2*b*atan(e3/e2))"), {"a": "a != 0", "b": "b >= 0"},
+        ("e1*exp(-a*atan(e3/e2))", "(e2^2 + e3^2)*exp(-2*b*atan(e3/e2))"),
+        {"a": "a != 0, a > 0 where b = 0", "b": "b >= 0"},
     ),
     "A4,7": _Row(4, {"14": "2*e1", "23": "e1", "24": "e2", "34": "e2 + e3"}),
     "A4,8": _Row(4, {"23": "e1", "24": "e2", "34": "-e3"}, ("e1", "e2*e3 - e1*e4")),
@@ -120,8 +121,10 @@ def low_dimensional(name: str, a: Parameter | None = None, b: Parameter | None =
     | A4,2 | $[e_1, e_4] = a e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = e_2 + e_3$ | $a \ne 0$ |
     | A4,3 | $[e_1, e_4] = e_1$, $[e_3, e_4] = e_2$ | |
     | A4,4 | $[e_1, e_4] = e_1$, $[e_2, e_4] = e_1 + e_2$, $[e_3, e_4] = e_2 + e_3$ | |
-    | A4,5 | $[e_1, e_4] = e_1$, $[e_2, e_4] = a e_2$, $[e_3, e_4] = b e_3$ | $-1 \le a \le b \le 1$, $ab \ne 0$ |
-    | A4,6 | $[e_1, e_4] = a e_1$, $[e_2, e_4] = b e_2 - e_3$, $[e_3, e_4] = e_2 + b e_3$ | $a \ne 0$, $b \ge 0$ |
+    | A4,5 | $[e_1, e_4] = e_1$, $[e_2, e_4] = a e_2$, $[e_3, e_4] = b e_3$ | $-1 \le a \le b \le 1$, $ab \ne 0$; \
+        $b > 0$ where $a = -1$ |
+    | A4,6 | $[e_1, e_4] = a e_1$, $[e_2, e_4] = b e_2 - e_3$, $[e_3, e_4] = e_2 + b e_3$ | $a \ne 0$, $b \ge 0$; \
+        $a > 0$ where $b = 0$ |
     | A4,7 | $[e_2, e_3] = e_1$, $[e_1, e_4] = 2 e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = e_2 + e_3$ | |
     | A4,8, A4,9 | $[e_2, e_3] = e_1$, $[e_1, e_4] = (1 + b) e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = b e_3$ | b = -1, \
         $-1 < b \le 1$ |
@@ -131,8 +134,6 @@ def low_dimensional(name: str, a: Parameter | None = None, b: Parameter | None =
 
     Direct sums: 2A1, 3A1, A2+A1, 4A1, A2+2A1, 2A2, A3,1+A1, ..., A3,9+A1.  Bianchi's types are I 3A1, II A3,1, III
     A2+A1, IV A3,2, V A3,3, VI A3,4 and A3,5, VII A3,6 and A3,7, VIII A3,8, IX A3,9.
-
-    Of the $A_{4,5}$ with eigenvalues 1, -1 and c one has b = |c|, of the $A_{4,6}$ with b = 0 one has a > 0.
 
     Example:
         >>> lp.algebras.low_dimensional("A4,5", "1/2", 1).derived_series()[1].dimension
@@ -238,7 +239,7 @@ def _read(name: str, a: Parameter | None, b: Parameter | None) -> tuple[list[str
 
 
 def _holds(text: str, values: Mapping[str, Any]) -> bool:
-    """Whether numbers obey a range such as "-1 <= a <= b, a != 0"."""
+    """Whether numbers obey a range such as "-1 <= a <= b, a != 0, b > 0 where a = -1"."""
     from sympy import Integer
 
     def number(word: str) -> Any:
@@ -246,14 +247,17 @@ def _holds(text: str, values: Mapping[str, Any]) -> bool:
         value = values[plain] if plain in values else Integer(int(plain))
         return abs(value) if "|" in word else value
 
-    for part in text.split(","):
-        words = re.split(r"(<=|>=|!=|<|>)", part)
+    def holds(part: str) -> bool:
+        words = re.split(r"(<=|>=|!=|<|>|=)", part)
         for left, sign, right in zip(words[::2], words[1::2], words[2::2], strict=False):
             difference: Any = number(right) - number(left)
             relations = {
                 "<": difference.is_positive, "<=": difference.is_nonnegative, ">": difference.is_negative,
-                ">=": difference.is_nonpositive, "!=": not difference.is_zero,
+                ">=": difference.is_nonpositive, "!=": not difference.is_zero, "=": difference.is_zero,
             }  # fmt: skip
             if not relations[sign]:
                 return False
-    return True
+        return True
+
+    rules = (part.partition("where") for part in text.split(","))
+    return all(holds(rule) for rule, _, case in rules if not case or holds(case))

@@ -18,8 +18,10 @@ from liepoisson.errors import BracketError, ParameterError
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.inputs.given import listed, listed_names, named
+from liepoisson.inputs.given import listed_names
 from liepoisson.structure.certificates import CasimirCertificate
+from liepoisson.structure.coordinates import read_function
+from liepoisson.structure.given_functions import listed_functions
 from liepoisson.structure.poisson.tensor_entries import N_POINTS
 
 if TYPE_CHECKING:
@@ -208,8 +210,6 @@ def read_phase_function(bracket: Bracket, given: Any, symbols: Sequence[str], wh
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         ParameterError: it is neither, or has a part that is like a coordinate and none.
     """
-    from liepoisson.structure.bracket import read_function
-
     return read_function(
         bracket, read_expression(given, _scope(bracket, symbols)) if isinstance(given, str) else given, what
     )
@@ -223,10 +223,7 @@ def checked_casimirs(bracket: Bracket, given: Any, symbols: Sequence[str] = ()) 
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         ParameterError: they are no list of functions.
     """
-    by_name = named(given, "casimirs")
-    items = list(by_name.values()) if by_name is not None else listed(given, "casimirs")
-    if items is None:
-        raise ParameterError(f'casimirs must be a list of functions; got {given!r:.60}. Write for example ["l1^2"].')
+    items = listed_functions(given, "casimirs", f'["{bracket.coordinate_names_in_order[0]}^2"]')
     found = [read_phase_function(bracket, one, symbols, "a Casimir") for one in items]
     for function in found:
         if not function.free_symbols & {*bracket.variables}:
