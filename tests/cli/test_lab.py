@@ -47,7 +47,7 @@ def test_parameters_surfaces_and_files_are_read_as_elsewhere(command, tmp_path):
     assert (code, err) == (0, "")
     text = page.read_text(encoding="utf-8")
     assert '"name":"mine, k = 3"' in text
-    assert '"surfaces":{"names":["m1 - m3"]' in text
+    assert '{"name":"m1 - m3","functions":' in text
 
 
 def started(*arguments, **environment):

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.compile.field import QuadraticField, TapeFunction, field_of
+from liepoisson.compile.field import QuadraticField, field_of
 from liepoisson.errors import LiePoissonError, OutputError, ParameterError
 from liepoisson.laboratory import page_of, page_of_tops, write_page
 from liepoisson.laboratory.description import N_POINTS, picture_of
 from liepoisson.laboratory.pages import MOST_BYTES, MOST_COMPONENTS, MOST_TERMS, as_data
+from liepoisson.poincare.section_arguments import read_tape
 
 KIRCHHOFF = lp.catalog.system("kirchhoff")
 START = [1, 0.2, 0, 0, 0.6, 0.8]
@@ -43,10 +44,61 @@ def test_the_page_begins_with_the_surface_of_the_section_command():
     record = carried(page_of(KIRCHHOFF, start=START))
     leaf = lp.phase_space.find_start(KIRCHHOFF, start=START).leaf
     tape = KIRCHHOFF.function_tape(lp.sections.default_surface(leaf))
-    functions = record["surfaces"]["functions"]
-    assert TapeFunction(functions["n_components"], functions["instructions"], functions["outputs"]) == tape
-    assert (record["surfaces"]["names"], record["surface"]) == (["rate of p3"], 6)
+    *components, surface = record["surfaces"]
+    assert read_tape(surface["functions"]) == tape
+    assert (surface["name"], record["surface"]) == ("rate of p3", 6)
+    assert [one["name"] for one in components] == record["components"]
     assert not set(record["axes"]) & {record["surface"]}
+
+
+CYLINDER = lp.canonical(names=["x"], angles=["x"])
+
+
+def driven(formula, **more):
+    return lp.System(CYLINDER, f"p_x^2/2 - cos(x) + {formula}", name="driven", **more)
+
+
+def test_a_surface_on_a_circle_is_the_one_of_a_section():
+    pendulum = lp.System(lp.canonical(names=["a", "b"], angles=["a", "b"]), "p_a^2/2 + p_b^2/2 - cos(a - 2*b)")
+    record = carried(page_of(pendulum, start={"p_a": 1}, surfaces=["a - 2*b - 1/2", "p_a"]))
+    names = ["a", "b", "p_a", "p_b", "a - 2*b - 1/2"]
+    assert [one["name"] for one in record["surfaces"]] == names
+    for one in record["surfaces"]:
+        section = lp.section(pendulum, {"p_a": 1}, surface=one["name"], t_end=0.1, threads=1)
+        assert read_tape(one["functions"]) == section.tape
+    assert [one["modulus"] for one in record["surfaces"]] == ["2π", "2π", None, None, "2π"]
+    assert record["turns"] == [[-np.pi, np.pi], [-np.pi, np.pi], None, None]
+    assert (record["clock"], record["surface"], record["start"]) == (None, 4, ["0", "0", "1", "0"])
+
+
+def test_a_driven_system_begins_with_its_stroboscopic_map():
+    record = carried(page_of(driven("cos(x)*cos(w*t)", parameters={"w": 3}, period="2*pi/w"), start={"p_x": 1.9}))
+    assert (record["components"], record["clock"], record["surface"]) == (["x", "p_x", "t", "p_t"], 2, 2)
+    assert record["turns"][2:] == [[0, pytest.approx(2 * np.pi / 3, rel=1e-15)], None]
+    assert (record["surfaces"][2]["modulus"], record["axes"]) == ("2π/3", [0, 1])
+    assert record["invariants"]["names"] == ["H + p_t"]
+
+
+def test_time_without_a_period_is_no_circle_and_not_the_surface():
+    record = carried(page_of(driven("cos(x)*(cos(t) + cos(sqrt(2)*t))/20"), start={"p_x": 0.9}))
+    assert (record["clock"], record["turns"][2], record["surfaces"][2]["modulus"]) == (2, None, None)
+    assert record["surfaces"][record["surface"]]["name"] == "rate of p_x"
+    assert record["axes"] == [0, 1]
+
+
+def test_a_plane_is_seen_whole_in_the_section():
+    pendulum = lp.System(CYLINDER, "p_x^2/2 - cos(x)")
+    assert carried(page_of(pendulum, start=[0, 3], surfaces="x"))["axes"] == [0, 1]
+
+
+def test_a_system_on_a_tensor_has_a_page():
+    tensor = lp.PoissonTensor(["x", "y"], {("x", "y"): "1 + x^2"})
+    assert carried(page_of(lp.System(tensor, "x^2 + y^2"), start=[1, 0]))["picture"] is None
+
+
+def test_a_formula_that_is_none_on_the_circle_is_refused():
+    with pytest.raises(ParameterError, match=r"function on the circle of x.*sin\(x\)"):
+        page_of(lp.System(CYLINDER, "p_x^2/2 - cos(x)"), start=[0, 3], surfaces="x^2 - 1")
 
 
 def test_the_unit_of_time_is_twice_that_of_the_orbit():
@@ -57,7 +109,7 @@ def test_the_unit_of_time_is_twice_that_of_the_orbit():
 
 def test_surfaces_that_are_given_come_first_and_components_have_their_own_numbers():
     record = carried(page_of(KIRCHHOFF, start=START, surfaces=["m1", "dot(m, m) - 1/2", "p2"]))
-    assert (record["surface"], record["surfaces"]["names"]) == (0, ["dot(m, m) - 1/2"])
+    assert (record["surface"], [one["name"] for one in record["surfaces"][6:]]) == (0, ["dot(m, m) - 1/2"])
     with pytest.raises(ParameterError, match="reads no formulas"):
         page_of(Field("plane", 2), start=[1, 0], surfaces=["x1 - x2"])
 

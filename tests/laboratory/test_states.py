@@ -179,7 +179,7 @@ def test_words_and_limits_are_those_of_the_page():
     assert number("state/laboratory.ts", "HORIZON") == number("systems/state.ts", "UNITS") == states.HORIZON
     assert number("systems/state.ts", "MOST_SERIES") == states.MOST_SERIES
     assert tuple(number("state/laboratory.ts", name) for name in ("SLOWEST", "FASTEST")) == states.SPEEDS
-    vectors = re.search(r"n % 3 === 0 && n <= (\d+)", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
+    vectors = re.search(r"own % 3 === 0 && own <= (\d+)", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
     assert int(vectors[1]) == states.MOST_IN_VECTORS
     assert number("notebook/protocol.ts", "LONGEST_MESSAGE") == states.LONGEST_MESSAGE
     assert lp.Top.twisted_kovalevskaya().component_names == states.COMPONENTS

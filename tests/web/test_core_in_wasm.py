@@ -37,12 +37,16 @@ PENDULUM = TapeField(
     (1, 4),
 )
 """q' = p, p' = -sin q - exp(q)/4."""
+ROTOR = TapeField(2, (("sin", (0,), ()), ("linear", (2,), (-1.0, 0.0))), (1, 3))
+"""q' = p, p' = -sin q: the first start goes round forwards, the second backwards, which alone is crossed."""
 PENDULUM_ENERGY = TapeFunction(
     2,
     (("product", (1, 1), ()), ("cos", (0,), ()), ("exp", (0,), ()), ("linear", (2, 3, 4), (0.5, -1.0, 0.25, 0.0))),
     (5,),
 )
 CIRCLE = TapeFunction(1, (("sin", (0,), ()), ("cos", (0,), ())), (1, 2))
+ROTATION = TapeFunction(2, (("sin", (0,), ()), ("cos", (0,), ())), (2,), 3)
+"""Where q is a multiple of a whole turn."""
 N_DRIFTING = 100
 """Orbits whose Casimirs are looked at."""
 
@@ -98,6 +102,8 @@ def section_case(name, system, tape, starts, *, end, direction, rate, kept_slope
     margin = []
     for member, start in enumerate(starts):
         of_member = found.crossing_trajectory == member
+        if not of_member.any():
+            continue
         times = np.concatenate([[0.0], found.time[of_member]])
         states = lp.integrate(system, start, times=times, threads=1).state[0][1:]
         for error, state in zip(bounds(system, start, times)[1:], states, strict=True):
@@ -326,6 +332,10 @@ def cases():
                 "surface with a sine", PENDULUM, wave, [[0.4, 1.2]],
                 end=30.0, direction=-1, rate=lambda x: (np.cos(x[0] + 0.5) * x[1], pendulum_rates(x)),
             ),
+            section_case(
+                "angle modulo a turn", ROTOR, ROTATION, [[0.4, 3.0], [1.0, -3.0]],
+                end=30.0, direction=-1, rate=lambda x: (np.cos(x[0]) * x[1], np.array([x[1], -np.sin(x[0])])),
+            ),
         ],
         "typed": typed_cases(),
         "exponents": [exponent_case("top", TOP, starts, tangents, np.array([5.0, 10.0, 20.0]))],
@@ -374,6 +384,7 @@ NAMES = [
     "section: top",
     "section: kept functions",
     "section: surface with a sine",
+    "section: angle modulo a turn",
     "exponents: top",
     "typed: Hénon–Heiles",
     "typed: twisted top",

@@ -127,6 +127,8 @@ export class Results {
   members = 0;
   until = 0;
   ended: { outcome: string; time: number } | null = null;
+  /** Whether the worker has said which invariants there are. */
+  opened = false;
   finished = false;
   /** How a saved result and what this page computes differ. */
   compared: Extract<Update, { say: "compared" }> | null = null;
@@ -134,7 +136,7 @@ export class Results {
   take(update: Update): void {
     switch (update.say) {
       case "invariants":
-        [this.names, this.first, this.family] = [update.names, update.values, update.family];
+        [this.names, this.first, this.family, this.opened] = [update.names, update.values, update.family, true];
         break;
       case "motion":
         (update.shadow ? this.shadow : this.top).add(update);

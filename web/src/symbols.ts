@@ -8,6 +8,9 @@ export interface Symbolic {
 }
 
 export function symbol(name: string): Symbolic {
+  // the momentum of theta is p_theta
+  const below = /^([A-Za-z]+)_([A-Za-z]+)(\d*)$/.exec(name);
+  if (below) return { letter: LETTERS[below[1]] ?? below[1], index: (LETTERS[below[2]] ?? below[2]) + below[3] };
   const parts = /^([A-Za-z]+)(\d*)(.*)$/.exec(name);
   if (!parts) return { letter: name, index: "" };
   if (parts[3].startsWith(".")) return { letter: name.split(".").map((part) => LETTERS[part] ?? part).join("·"), index: "" };
@@ -16,21 +19,27 @@ export function symbol(name: string): Symbolic {
   return { letter: (LETTERS[parts[1]] ?? parts[1]) + parts[3].replace("'", "′"), index: parts[2] };
 }
 
+/** Names within a text, such as H + p_t and rate of p_x, and the words between them. */
+function symbols(name: string): Symbolic[] {
+  const parts = name.split(/(^rate of | \+ )/).filter(Boolean);
+  return parts.map((part) => (part.endsWith(" ") ? { letter: part, index: "" } : symbol(part)));
+}
+
 const SUBSCRIPTS = "₀₁₂₃₄₅₆₇₈₉";
 
 /** In plain text, for lists and names that are read aloud. */
 export function plain(name: string): string {
-  const { letter, index } = symbol(name);
-  return letter + [...index].map((digit) => SUBSCRIPTS[Number(digit)]).join("");
+  const below = (index: string) => (/^\d*$/.test(index) ? [...index].map((digit) => SUBSCRIPTS[Number(digit)]).join("") : `_${index}`);
+  return symbols(name).map(({ letter, index }) => letter + below(index)).join("");
 }
 
 /** As an element. */
 export function element(name: string): HTMLElement {
-  const { letter, index } = symbol(name);
   const found = document.createElement("i");
   found.className = "symbol";
-  found.append(letter);
-  if (index) {
+  for (const { letter, index } of symbols(name)) {
+    found.append(letter);
+    if (!index) continue;
     const below = document.createElement("sub");
     below.textContent = index;
     found.append(below);
@@ -40,11 +49,12 @@ export function element(name: string): HTMLElement {
 
 /** On a canvas, from the left; gives the width. */
 export function draw(context: CanvasRenderingContext2D, name: string, x: number, y: number, size: number): number {
-  const { letter, index } = symbol(name);
-  context.font = `italic ${size}px "STIX Two Text", serif`;
-  context.fillText(letter, x, y);
-  let width = context.measureText(letter).width;
-  if (index) {
+  let width = 0;
+  for (const { letter, index } of symbols(name)) {
+    context.font = `italic ${size}px "STIX Two Text", serif`;
+    context.fillText(letter, x + width, y);
+    width += context.measureText(letter).width;
+    if (!index) continue;
     context.font = `${size * 0.68}px "STIX Two Text", serif`;
     context.fillText(index, x + width, y + size * 0.22);
     width += context.measureText(index).width;

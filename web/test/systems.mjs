@@ -1,4 +1,5 @@
-// Opens pages in Chromium and says what they show: node test/systems.mjs WANTED.json, a list of {name, file, hash, until}.
+// Opens pages in Chromium and says what they show: node test/systems.mjs WANTED.json, a list of {name, file, hash, until, width,
+// click, remark}: `click` is the number of a crossing at which an orbit is started, `remark` asks for what the section says.
 // The answers are JSON on standard output, which tests/web/test_systems.py compares with Python.
 
 import { readFileSync } from "node:fs";
@@ -8,7 +9,7 @@ const wanted = JSON.parse(readFileSync(process.argv[2], "utf8"));
 const args = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"];
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
 const answers = {};
-for (const { name, file, hash, until, width } of wanted) {
+for (const { name, file, hash, until, width, click, remark } of wanted) {
   const tab = await browser.newPage({ viewport: { width: width ?? 1280, height: 800 } });
   const wrong = [];
   tab.on("pageerror", (error) => wrong.push(error.message));
@@ -24,6 +25,9 @@ for (const { name, file, hash, until, width } of wanted) {
     return results && results.until >= end && (results.exponent.times.at(-1) ?? 0) >= end && compared;
   };
   await tab.waitForFunction(done, [until ?? 0], { timeout: 60_000 });
+  if (remark) await tab.waitForSelector("#section .remark:not([hidden])", { timeout: 60_000 });
+  // charts are drawn anew in the frames that follow
+  await tab.evaluate((frames) => new Promise((done) => requestAnimationFrame(function next() { frames-- > 0 ? requestAnimationFrame(next) : done(); })), 12);
   answers[name] = await tab.evaluate(() => {
     const results = window.laboratory?.results();
     const text = (selector) => document.querySelector(selector)?.textContent ?? "";
@@ -32,6 +36,11 @@ for (const { name, file, hash, until, width } of wanted) {
       heading: text("#title"),
       message: document.querySelector("#message").hidden ? "" : text("#message p"),
       saved: text(".saved"),
+      subtitle: text("#subtitle"),
+      controls: text("#controls"),
+      charts: Object.fromEntries(["section", "drift"].map((id) => [id, ["h3", "p", ".remark"].map((part) => text(`#${id} ${part}`))])),
+      count: text("#section p b"),
+      drift: results && results.drift.rows.flatMap((row) => [...row]).reduce((most, value) => Math.max(most, Math.abs(value)), 0),
       views: [...document.querySelectorAll("#presets button")].map((one) => one.dataset.key),
       labels: [...document.querySelectorAll("#controls input")].map((one) => one.getAttribute("aria-label")),
       markup: document.querySelectorAll("img, iframe, object, embed").length,
@@ -45,6 +54,12 @@ for (const { name, file, hash, until, width } of wanted) {
       exponent: results && { times: results.exponent.times, values: results.exponent.rows.map((row) => row[0]) },
     };
   });
+  if (click !== undefined) {
+    await tab.locator("#section canvas").last().focus();
+    for (let k = 0; k <= click; k++) await tab.keyboard.press("ArrowRight");
+    await tab.keyboard.press("Enter");
+    answers[name].clicked = { index: click, start: await tab.evaluate(() => window.laboratory.state().start.map((one) => one.value)) };
+  }
   answers[name].wrong = wrong;
   await tab.close();
 }

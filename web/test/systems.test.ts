@@ -4,7 +4,7 @@ import { Core } from "../src/core/core.js";
 import { exact, shortest } from "../src/state/exact";
 import { Refused } from "../src/state/laboratory";
 import { compared, comparison, inWords } from "../src/systems/comparison";
-import { described, Malformed, MOST_COMPONENTS, surfaceNames, surfaceOf, type Saved, type SystemDescription } from "../src/systems/description";
+import { described, Malformed, MOST_COMPONENTS, surfaceNames, type Saved, type SystemDescription } from "../src/systems/description";
 import { pictured } from "../src/systems/flat";
 import { begun, changed, clockOf, MOST_SERIES, sameRun, timeText, viewsOf } from "../src/systems/state";
 import { read, written } from "../src/systems/url";
@@ -14,15 +14,21 @@ import type { SystemJob, Update } from "../src/worker/messages";
 
 /** The plane x' = y, y' = -x, with its energy; its orbits are circles of period 2 pi. */
 const circle: SystemDescription = {
-  version: 1,
+  version: 2,
   id: "0123456789ab",
   name: "circle",
   words: "",
   components: ["x", "y,1"],
   vector_length: 2,
+  turns: [null, null],
+  clock: null,
   field: { kind: "quadratic", n_components: 2, constant: [], linear: [[0, 1, 1], [1, 0, -1]], quadratic: [] } as never,
   invariants: { names: ["H"], functions: { n_components: 2, instructions: [["product", [0, 0], []], ["product", [1, 1], []], ["linear", [2, 3], [0.5, 0.5, 0]]], outputs: [4] } },
-  surfaces: { names: ["x - y"], functions: { n_components: 2, instructions: [["linear", [0, 1], [1, -1, 0]]], outputs: [2] } },
+  surfaces: [
+    { name: "x", functions: { n_components: 2, instructions: [], outputs: [0] }, modulus: null },
+    { name: "y,1", functions: { n_components: 2, instructions: [], outputs: [1] }, modulus: null },
+    { name: "x - y", functions: { n_components: 2, instructions: [["linear", [0, 1], [1, -1, 0]]], outputs: [2] }, modulus: null },
+  ],
   start: ["1", "0"],
   unit: 0.5,
   surface: 0,
@@ -53,7 +59,7 @@ describe("a description", () => {
   test.each([
     ["", "no JSON"],
     ["[]", "no object"],
-    [text({ version: 2 }), "version 2"],
+    [text({ version: 1 }), "version 1"],
     [text({ components: [] }), "no components"],
     [text({ components: Array(MOST_COMPONENTS + 1).fill("x") }), "at most"],
     [text({ field: { kind: "euler" } }), "does not know"],
@@ -63,6 +69,11 @@ describe("a description", () => {
     [text({ unit: 0 }), "unit"],
     [text({ surface: 3 }), "surface"],
     [text({ axes: [0, 5] }), "axes"],
+    [text({ turns: [null] }), "turns"],
+    [text({ turns: [null, [1, 1]] }), "turn"],
+    [text({ clock: 1 }), "clock"],
+    [text({ surfaces: circle.surfaces.slice(2) }), "one for each of its 2 components"],
+    [text({ surfaces: [...circle.surfaces, { ...circle.surfaces[0], functions: { n_components: 3, instructions: [], outputs: [0] } }] }), "does not fit"],
     [text({ invariants: { names: ["H", "K"], functions: circle.invariants!.functions } }), "do not fit"],
     [text({ picture: { name: "w", across: [[1, 2]], up: [[1], [1, 2]], terms: [] } }), "different lengths"],
     [text({ picture: { name: "w", across: [[1]], up: [[1]], terms: [[2, 0, 0, 1]] } }), "component"],
@@ -71,11 +82,7 @@ describe("a description", () => {
     expect(() => described(wrong)).toThrow(Malformed);
     expect(() => described(wrong)).toThrow(message);
   });
-  test("surfaces are the components, then the functions", () => {
-    expect(surfaceNames(circle)).toEqual(["x", "y,1", "x - y"]);
-    expect(surfaceOf(circle, 1).outputs).toEqual([1]);
-    expect(surfaceOf(circle, 2).outputs).toEqual([2]);
-  });
+  test("surfaces have their names", () => expect(surfaceNames(circle)).toEqual(["x", "y,1", "x - y"]));
 });
 
 describe("the state", () => {

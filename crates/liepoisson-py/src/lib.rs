@@ -264,15 +264,7 @@ fn sections<'py>(
     let (n_components, instructions, outputs) = surface;
     let surface = guarded(|| {
         let functions = Functions::new(n_components, read_instructions(&instructions)?, outputs)?;
-        let (function, others) = functions.split_first();
-        let (guard, kept) = match others {
-            Some(others) if has_guard => {
-                let (guard, kept) = others.split_first();
-                (Some(guard), kept)
-            }
-            others => (None, others),
-        };
-        Ok(Surface { function, kept, guard, direction, n_crossings, sides })
+        Ok(Surface { direction, n_crossings, sides, ..Surface::of(functions, has_guard) })
     })?;
     let sections = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         section::sections(ensemble, &surface, threads, simd, control, watch)

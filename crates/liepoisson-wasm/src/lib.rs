@@ -55,7 +55,7 @@ fn table(table: runs::Table) -> Thing {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_start() -> i32 {
     std::panic::set_hook(Box::new(|panic| say(panic.to_string())));
-    3
+    4
 }
 
 /// Room for a text.
@@ -293,16 +293,17 @@ pub extern "C" fn lp_frames(
     answer(run())
 }
 
-/// A result: crossings of the surface where the first function is zero; the others are kept of each, or the state if there are
-/// none. `n_crossings` 0 is no limit; `sides` may be empty. Its parts are `[outcome, end_time, n_steps, end_state, count, time,
-/// state, sign, touch_count, touch_time, touch_state, side, seen_to, unresolved_time, undefined_time, unbounded_steps,
-/// unseen_steps, in_surface]`.
+/// A result: crossings of the surface where the first function is zero and, if `has_guard` is not 0, the second is positive; the
+/// others are kept of each, or the state if there are none. `n_crossings` 0 is no limit; `sides` may be empty. Its parts are
+/// `[outcome, end_time, n_steps, end_state, count, time, state, sign, touch_count, touch_time, touch_state, side, seen_to,
+/// unresolved_time, undefined_time, unbounded_steps, unseen_steps, in_surface]`.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)] // flat, as C has it
 pub extern "C" fn lp_section(
     field: i32,
     method: i32,
     functions: i32,
+    has_guard: u32,
     direction: i32,
     n_crossings: u32,
     states: i32,
@@ -314,8 +315,8 @@ pub extern "C" fn lp_section(
         let [states, sides, times] = [states, sides, times].map(table::numbers);
         let (states, sides, times) = (states?, sides?, times?);
         let (states, sides, times) = (states.borrow(), sides.borrow(), times.borrow());
-        let n_crossings = n_crossings as usize;
-        runs::section(&field, method, &functions, direction, n_crossings, &states, &sides, &times).map(table)
+        let (has_guard, n_crossings) = (has_guard != 0, n_crossings as usize);
+        runs::section(&field, method, &functions, has_guard, direction, n_crossings, &states, &sides, &times).map(table)
     };
     answer(run())
 }

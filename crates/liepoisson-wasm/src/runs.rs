@@ -126,6 +126,7 @@ pub(crate) fn section(
     field: &AnyField,
     method: AnyMethod,
     functions: &Functions,
+    has_guard: bool,
     direction: i32,
     n_crossings: usize,
     states: &[f64],
@@ -134,14 +135,11 @@ pub(crate) fn section(
 ) -> Result<Table, Refusal> {
     check_size(field, 0)?;
     let ensemble = field.section(method, states, times)?;
-    let (function, kept) = functions.clone().split_first();
     let surface = Surface {
-        function,
-        kept,
-        guard: None,
         direction: direction.clamp(-2, 2) as i8,
         n_crossings: (n_crossings > 0).then_some(n_crossings),
         sides: sides.iter().map(|&side| side as i8).collect(),
+        ..Surface::of(functions.clone(), has_guard)
     };
     let sections = section::sections(ensemble, &surface, 0, Simd::widest(), &Control::default(), |_| ())?;
     let counts = |counts: Vec<usize>| counts.into_iter().map(|count| count as f64).collect();

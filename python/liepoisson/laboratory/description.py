@@ -13,6 +13,7 @@ from liepoisson.compile.field import record_of
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.names import MOMENTUM_OF_TIME
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.systems import (
@@ -21,12 +22,13 @@ from liepoisson.numeric.systems import (
     has_functions,
     has_pieces,
     known_constants,
+    periods_of_components,
     reads_formulas,
     vector_length,
 )
 from liepoisson.poincare.section import Section
 
-VERSION = 1
+VERSION = 2
 """Of the format, which the page looks at."""
 
 MOST_NUMBERS = 8_000
@@ -39,25 +41,46 @@ _LONGEST_FORMULA = 30
 
 
 def description_of(system: Any) -> dict[str, Any]:
-    """A system, or what else has a `name` and a `field()`, as plain data that JSON can write exactly.
+    r"""A system, or what else has a `name` and a `field()`, as plain data that JSON can write exactly.
 
     - `version`: of this format;
     - `name`, `components` (their names), `vector_length` (components of each vector of the state);
+    - `turns`: for each component that is a point of a circle the turn within which it is drawn, beginning and end: from
+      $-\pi$ to $\pi$, of time from 0 to the period; None for the others;
+    - `clock`: the number of the component that is time, which its momentum follows, or None;
     - `field`: as `field.record_of` makes it;
     - `pieces`: the Hamiltonian in pieces, for splitting, or None;
-    - `invariants`: `names` and `functions`, a tape with one output for each, or None.  The Hamiltonian is first.
+    - `invariants`: `names` and `functions`, a tape with one output for each, or None.  The Hamiltonian is first; of one
+      that depends on time $H + p_t$, by this name.
     """
     field = as_field(system)
     n = field.n_components
+    names = component_names(system, n)
+    clock = clock_of(system)
     return {
         "version": VERSION,
         "name": str(system.name),
-        "components": list(component_names(system, n)),
+        "components": list(names),
         "vector_length": vector_length(system, n),
+        "turns": [
+            _turn(period, name == clock) for name, period in zip(names, periods_of_components(system, n), strict=True)
+        ],
+        "clock": None if clock is None else names.index(clock),
         "field": record_of(field),
         "pieces": _pieces(system),
         "invariants": _invariants(system),
     }
+
+
+def clock_of(system: Any) -> str | None:
+    """The name of the component that is time, of a Hamiltonian that depends on it."""
+    return getattr(system, "clock", None)
+
+
+def _turn(period: float, is_time: bool) -> list[float] | None:
+    if math.isinf(period):
+        return None
+    return [0.0, float(period)] if is_time else [-float(period) / 2, float(period) / 2]
 
 
 def _pieces(system: Any) -> dict[str, Any] | None:
@@ -81,7 +104,7 @@ def _invariants(system: Any) -> dict[str, Any] | None:
             system.function_tape(function)
         except LiePoissonError:
             continue
-        smooth[name] = function
+        smooth[name if name != "H" or clock_of(system) is None else f"H + {MOMENTUM_OF_TIME}"] = function
     if not smooth:
         return None
     return {"names": list(smooth), "functions": asdict(system.function_tape(*smooth.values()))}
@@ -135,7 +158,11 @@ def picture_of(system: Any) -> dict[str, Any] | None:
 
 def _truncation(system: Any) -> int | None:
     """N of `catalog.zeitlin(N)`: the sine algebra, and one field on it."""
+    from liepoisson.structure.tensor_bracket import PoissonTensor
+
     bracket = getattr(system, "bracket", None)
+    if isinstance(bracket, PoissonTensor):
+        return None
     name = str(getattr(getattr(bracket, "algebra", None), "name", ""))
     if not (name.startswith("sine(") and name.endswith(")") and name[5:-1].isdecimal()):
         return None

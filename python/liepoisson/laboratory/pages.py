@@ -17,14 +17,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.compile.field import TapeFunction
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
 from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
-from liepoisson.inputs.given import sequence
+from liepoisson.inputs.given import named, sequence
 from liepoisson.io.files import write_atomically
 from liepoisson.laboratory.description import description_of, picture_of, saved_of
+from liepoisson.leaf.starts import read_state
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
-from liepoisson.poincare.section_arguments import check_that_it_varies
+from liepoisson.poincare.section_arguments import check_that_it_varies, modulus_of_surface, tape_of_surface
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 
-VERSION = 1
+VERSION = 2
 """Of the description of a page, which the page looks at."""
 
 MOST_COMPONENTS = 400
@@ -44,6 +46,7 @@ MOST_BYTES = 1_700_000
 LARGEST = 1e6
 """Of a number of a start, as the page takes it."""
 _LONGEST_NAME = 200
+_LONGEST_MODULUS = 12
 
 _PLACE = "<noscript>"
 """Before this part of the built page stands what a page carries."""
@@ -91,7 +94,7 @@ def page_of_tops() -> Page:
 def page_of(
     system: Any,
     *,
-    start: ArrayLike | None = None,
+    start: ArrayLike | Mapping[str, Any] | None = None,
     surfaces: Sequence[Any] = (),
     result: Any = None,
     trajectory: int = 0,
@@ -108,7 +111,8 @@ def page_of(
 
     Args:
         system: A `System`, a `Top`, anything that has a field.
-        start: Where the orbit begins, shape (component,); by default trajectory 0 of the random unit vectors.
+        start: Where the orbit begins, shape (component,), or components by name, as `integrate` takes them; by default
+            trajectory 0 of the random unit vectors.
         surfaces: Functions whose zeros can be chosen as surface of section, besides the components: formulas, as
             `lp.section` takes them.  The page begins with the first; by default with `lp.sections.default_surface`.
         result: A saved orbit or section of this system, which the page computes again and compares.  Its first start
@@ -207,34 +211,38 @@ def exact_text(value: Any) -> str | None:
 def _description(system: Any, start: Array, surfaces: Sequence[Any], saved: Any) -> dict[str, Any]:
     known = description_of(system)
     n = start.size
-    functions, first = _surfaces(system, start, surfaces, saved)
-    surface = known["components"].index(first) if first in known["components"] else n if functions else 0
-    others = [k for k in range(n) if k != surface] or [0]
+    listed, surface = _surfaces(system, start, surfaces, saved)
+    # time and its momentum come last
+    clock = n if known["clock"] is None else known["clock"]
+    others = sorted(range(n), key=lambda k: (k == surface, k in (clock, clock + 1), k))
     return {
         "version": VERSION,
         "name": known["name"][:_LONGEST_NAME],
         "words": str(getattr(system, "source", None) or "")[:400],
         "components": known["components"],
         "vector_length": known["vector_length"],
+        "turns": known["turns"],
+        "clock": known["clock"],
         "field": known["field"],
         "invariants": known["invariants"],
-        "surfaces": functions,
+        "surfaces": listed,
         "start": [shortest(value) for value in start],
         "unit": unit_of(system, start),
         "surface": surface,
         "direction": 1 if saved is None else saved.record["direction"],
-        "axes": [others[0], others[1] if len(others) > 1 else others[0]],
+        "axes": sorted(others[:2]) if n > 1 else [0, 0],
         "picture": picture_of(system),
         "saved": None if saved is None else saved.record,
     }
 
 
-def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tuple[dict[str, Any] | None, str]:
-    """Functions with their names, and the name of what the page begins with."""
+def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tuple[list[dict[str, Any]], int]:
+    """All surfaces, first the components, and the number of the one that the page begins with."""
+    names = component_names(system, start.size)
+    components = [_component_surface(system, k, name) for k, name in enumerate(names)]
     if saved is not None and (functions := saved.record["functions"]) is not None:
         first = {**functions, "outputs": functions["outputs"][:1]}
-        return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
-    names = component_names(system, start.size)
+        return [*components, _surface(saved.surface[:_LONGEST_NAME], first)], len(names)
     chosen = {str(one): one for one in given}
     for one in given if reads_formulas(system) else ():
         check_that_it_varies(system, one, "surfaces")
@@ -243,15 +251,35 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
         chosen = {name: formula}
     first = next(iter(chosen))
     listed = {name: formula for name, formula in chosen.items() if name not in names}
-    if not listed:
-        return None, first
-    if not reads_formulas(system):
+    if listed and not reads_formulas(system):
         raise ParameterError(
             f"surfaces: {system.name!r:.60} has a field alone and reads no formulas; got {next(iter(listed))!r:.60}. "
             "Leave them out: each component is a surface."
         )
-    record = asdict(system.function_tape(*listed.values()))
-    return {"names": _shortened(list(listed)), "functions": record}, first
+    functions = [
+        _surface(name, asdict(tape_of_surface(system, formula)), modulus_of_surface(system, formula))
+        for name, formula in zip(_shortened(list(listed)), listed.values(), strict=True)
+    ]
+    return [*components, *functions], names.index(first) if first in names else len(names)
+
+
+def _component_surface(system: Any, k: int, name: str) -> dict[str, Any]:
+    """Where a component vanishes; of a point of a circle modulo its period."""
+    if name not in getattr(system, "periods", {}):
+        n = len(component_names(system, as_field(system).n_components))
+        return _surface(name, asdict(TapeFunction(n, (), (k,))))
+    return _surface(name, asdict(tape_of_surface(system, name)), modulus_of_surface(system, name))
+
+
+def _surface(name: str, functions: dict[str, Any], modulus: Any = None) -> dict[str, Any]:
+    """A surface by its name, as a function with its guard, and the number modulo which it is given, as text."""
+    return {"name": name, "functions": functions, "modulus": None if modulus is None else _number(modulus)}
+
+
+def _number(exact: Any) -> str:
+    """A number as people write it, such as 2π/3; in six digits where that is too long."""
+    text = str(exact).replace("*pi", "π").replace("pi", "π")
+    return text if len(text) <= _LONGEST_MODULUS else f"{float(exact):.6g}"
 
 
 def _several(given: Any) -> list[Any]:
@@ -280,15 +308,15 @@ def _default_surface(system: Any, start: Array) -> tuple[str, str]:
         return names[0], names[0]
     bracketed: Any = system
     from liepoisson.leaf.starts import find
-    from liepoisson.poincare.default_surface import chosen_surface
+    from liepoisson.poincare.default_surface import surface_and_reason
 
     try:
         leaf = find(bracketed, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
-        surface, of = chosen_surface(leaf)
+        surface, reason = surface_and_reason(leaf, None)
         bracketed.function_tape(surface)  # its numbers may be too long to be read
     except LiePoissonError:
         return names[0], names[0]
-    return (surface if surface in names else f"rate of {of}"), surface
+    return (surface if surface in names else reason.removeprefix("the ")), surface
 
 
 def unit_of(system: Any, start: Array) -> float:
@@ -307,11 +335,13 @@ def unit_of(system: Any, start: Array) -> float:
     return float(f"{digit}e{power}")
 
 
-def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
+def _start(system: Any, n: int, start: ArrayLike | Mapping[str, Any] | None) -> Array:
     if start is None:
         from liepoisson.numeric.sampling import sample_states
 
         return sample_states(system, 1, seed=0)[0]
+    if hasattr(system, "component_names") and named(start, "start") is not None:
+        start = read_state(system, start)
     return checked_start(start, component_names(system, n))
 
 

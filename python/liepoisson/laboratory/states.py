@@ -64,9 +64,9 @@ class Addresses:
         if record is None:
             return cls(COMPONENTS, COMPONENTS, VIEWS_OF_TOPS, HORIZON)
         components = tuple(record["components"])
-        listed = tuple(record["surfaces"]["names"]) if record["surfaces"] else ()
+        surfaces = tuple(one["name"] for one in record["surfaces"])
         horizon = HORIZON * float(record["unit"])
-        return cls(components, (*components, *listed), _views(record), horizon, str(record["id"]))
+        return cls(components, surfaces, _views(record), horizon, str(record["id"]))
 
     def checked(self, state: Any) -> State:
         """Parts of a state, each as the page can be told it."""
@@ -125,9 +125,11 @@ class Addresses:
 
 def _views(record: Mapping[str, Any]) -> tuple[str, ...]:
     """The views that a system has, as `viewsOf` of the page says it (`systems/state.ts`)."""
-    n = len(record["components"])
+    n, clock = len(record["components"]), record["clock"]
+    own = n if clock is None else clock  # without time and its momentum
+    has_circles = any(turn is not None for turn in record["turns"][:own])
     has = {
-        "vectors": record["vector_length"] == 3 and n % 3 == 0 and n <= MOST_IN_VECTORS,
+        "vectors": record["vector_length"] == 3 and own % 3 == 0 and own <= MOST_IN_VECTORS and not has_circles,
         "picture": record["picture"] is not None,
         "projection": n > 1,
         "series": True,

@@ -33,7 +33,7 @@ HEIGHTS = {"two": 460, "all": 820}
 def view(
     shown: Any,
     *,
-    start: ArrayLike | None = None,
+    start: ArrayLike | Mapping[str, Any] | None = None,
     surfaces: Sequence[Any] = (),
     trajectory: int = 0,
     point: int | None = None,
@@ -50,8 +50,8 @@ def view(
     Args:
         shown: A system or a `Top`; an orbit or a section, which the page computes again and compares; a rod of a top;
             or a sweep, of which one orbit is followed.
-        start: Where the orbit of a system begins, shape (component,); by default trajectory 0 of the random
-            unit vectors.
+        start: Where the orbit of a system begins, shape (component,), or components by name; by default trajectory 0 of
+            the random unit vectors.
         surfaces: Functions whose zeros can be chosen as surface of section, besides the components.
         trajectory: Which orbit of a result; of a sweep, which of those at its point.
         point: Which point of a sweep.

@@ -179,9 +179,10 @@ def _come_back(leaf: Leaf, states: Array, surface: str, direction: int) -> bool:
 
 
 def _in_turn(leaf: Leaf) -> list[int]:
-    """The places of the components, the last of each vector first."""
-    size = leaf.system.vector_length
-    return sorted(range(len(leaf.system.component_names)), key=lambda k: (size - 1 - k % size, k))
+    """The places of the components, the last of each vector first, time and its momentum after all others."""
+    size, names, clock = leaf.system.vector_length, leaf.system.component_names, leaf.system.clock
+    begin = len(names) if clock is None else names.index(clock)
+    return sorted(range(len(names)), key=lambda k: (k >= begin, size - 1 - k % size, k))
 
 
 def _places(leaf: Leaf) -> list[int]:

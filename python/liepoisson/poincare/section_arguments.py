@@ -154,12 +154,21 @@ def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[T
             "sin(c)*x - cos(c)*y, which vanishes where atan2(y, x) is c, and where it is c + pi"
         )
     check_that_it_varies(system, formula)
-    if (turn := _modulus(system, formula)) is not None:
-        return _modulo(system, formula, turn, kept or []), names
-    return system.function_tape(formula, *(kept or ())), names
+    return tape_of_surface(system, formula, kept or []), names
 
 
-def _modulus(system: Any, formula: str | Expr) -> Expr | None:
+def tape_of_surface(system: Any, formula: str | Expr, kept: Sequence[str | Expr] = ()) -> TapeFunction:
+    """The surface where a function of a system vanishes, of a function on circles modulo its period, and what is kept.
+
+    Raises:
+        ParameterError: the function is none on the circles of the system.
+    """
+    if (turn := modulus_of_surface(system, formula)) is not None:
+        return _modulo(system, formula, turn, kept)
+    return system.function_tape(formula, *kept)
+
+
+def modulus_of_surface(system: Any, formula: str | Expr) -> Expr | None:
     """The number modulo which a function of coordinates on circles is given; None where it is a number itself.
 
     Raises:

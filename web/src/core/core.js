@@ -26,7 +26,11 @@
  *   parameters?: Record<string, Exact | Exact[] | Exact[][]>, declared?: string[]}} SystemDescription
  *   parameters with their values; those without are declared, as "epsilon" or "a[3]"
  */
-/** @typedef {{n_components: number, instructions: readonly [string, number[], number[]][], outputs: number[]}} FunctionsDescription */
+/**
+ * @typedef {{n_components: number, instructions: readonly [string, number[], number[]][], outputs: number[],
+ *   guard?: number | null}} FunctionsDescription
+ *   where there is a guard, it is positive on the surface that the first function is zero on, and is the second function
+ */
 /**
  * @typedef {{kind: "taylor", tol?: number, order?: number | null, max_steps?: number}
  *   | {kind: "splitting", order?: number, step: number, max_steps?: number}} MethodDescription
@@ -69,7 +73,7 @@ export class CoreStopped extends Error {
 }
 
 /** The version of the interface that this file is written for. */
-const INTERFACE = 3;
+const INTERFACE = 4;
 
 /** What has a place in the memory of the core, which is given back by `free`, or when nothing refers to it any more. */
 class Held {
@@ -97,6 +101,9 @@ export class Field extends Held {
 
 /** Functions on phase space. */
 export class Functions extends Held {
+  /** Whether the second is positive on the surface of section that the first is zero on. */
+  hasGuard = false;
+
   /** Components of their state. */
   get nComponents() {
     return this.core.count("lp_n_components", this.handle);
@@ -199,7 +206,12 @@ export class Core {
 
   /** @param {FunctionsDescription | string} description */
   functions(description) {
-    return new Functions(this, this.described("lp_functions", description));
+    const { guard = null, ...rest } = typeof description === "string" ? JSON.parse(description) : description;
+    if (guard === null) return new Functions(this, this.described("lp_functions", description));
+    const [first, ...others] = rest.outputs;
+    const found = new Functions(this, this.described("lp_functions", { ...rest, outputs: [first, guard, ...others] }));
+    found.hasGuard = true;
+    return found;
   }
 
   /** @param {SystemDescription | string} description */
@@ -286,8 +298,8 @@ export class Core {
   }
 
   /**
-   * Crossings of the surface where the first of the functions is zero; of each the values of the others are kept, or the state
-   * where there are none.  `sides` and `from`, the `side` and `endTime` of a section before, let it go on.
+   * Crossings of the surface where the first of the functions is zero and the guard, if there is one, is positive; of each the
+   * values of the others are kept, or the state where there are none.  `sides` and `from`, the `side` and `endTime` of a section before, let it go on.
    * @param {Field} field @param {Method} method @param {Functions} functions @param {Numbers} states
    * @param {{from?: number, to: number, direction?: -1 | 0 | 1, nCrossings?: number, sides?: Numbers}} course
    * @returns {Section}
@@ -295,7 +307,7 @@ export class Core {
   section(field, method, functions, states, { from = 0, to, direction = 0, nCrossings = 0, sides = [] }) {
     return this.with([states, sides, [from, to]], ([x, s, t]) => {
       const handles = [field.handle, method.handle, functions.handle];
-      const run = this.call("lp_section", ...handles, direction, nCrossings, x, s, t);
+      const run = this.call("lp_section", ...handles, Number(functions.hasGuard), direction, nCrossings, x, s, t);
       return this.result(run, () => {
         const part = (/** @type {number} */ index) => this.part(run, index);
         return {

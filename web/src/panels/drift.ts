@@ -5,6 +5,7 @@ import { OF_TOPS, type Charted, type Clock } from "../state/charted";
 import type { Palette } from "../style/palette";
 import { element } from "../symbols";
 import { Plot } from "./plot";
+import { remarkIn, setText } from "./remark";
 
 /** Below it, nothing can be seen of a double near one. */
 const LEAST = 1e-17;
@@ -21,12 +22,14 @@ export interface Key {
 export class DriftPanel {
   readonly plot: Plot;
   private readonly head: HTMLElement;
+  private readonly remark: HTMLElement;
   private drawn = "";
   private results: Results | null = null;
 
   constructor(panel: HTMLElement, private readonly clock: Clock = OF_TOPS) {
     this.plot = new Plot(panel, "Drift of the invariants");
     this.head = panel.querySelector("p") as HTMLElement;
+    this.remark = remarkIn(panel);
   }
 
   draw(lab: Charted, results: Results, palette: Palette): void {
@@ -43,6 +46,7 @@ export class DriftPanel {
       plot.axes(palette);
       this.curves(results, colours);
     }
+    setText(this.remark, results.opened && results.names.length === 0 ? "No invariant of this system is known." : "");
     plot.clearAbove();
     plot.cursor(lab.time, palette);
   }

@@ -1,5 +1,6 @@
 /** Axes of a chart on a canvas: scales, grid, ticks; a second canvas above carries what moves in every frame. */
 
+import { trace, within, type Turn } from "../state/turn";
 import { draw } from "../symbols";
 import type { Palette } from "../style/palette";
 
@@ -9,12 +10,16 @@ export interface Axis {
   readonly range: Range;
   readonly log?: boolean;
   readonly name: string;
+  /** Of a point of a circle, which is drawn within it. */
+  readonly turn?: Turn | null;
 }
 
 const LEFT = 48;
 const RIGHT = 16;
 const TOP = 14;
 const BOTTOM = 38;
+/** Of a range, on either side. */
+const MARGIN = 0.08;
 /** Below the upper end of the axis, where its name stands in place of a number. */
 const NAME = 12;
 
@@ -73,13 +78,27 @@ export class Plot {
     return true;
   }
 
-  /** Place of a value. */
+  /** Place of a value, within its turn. */
   px(value: number): number {
-    return LEFT + part(this.x, value) * (this.width - LEFT - RIGHT);
+    return this.across(within(value, this.x.turn ?? null));
   }
 
   py(value: number): number {
+    return this.up(within(value, this.y.turn ?? null));
+  }
+
+  private across(value: number): number {
+    return LEFT + part(this.x, value) * (this.width - LEFT - RIGHT);
+  }
+
+  private up(value: number): number {
     return this.height - BOTTOM - part(this.y, value) * (this.height - TOP - BOTTOM);
+  }
+
+  /** Adds points x, y, x, y, ... of a line to a path, from one to another; it is broken where a turn ends. */
+  trace(c: CanvasRenderingContext2D, points: readonly number[], from?: number, to?: number): void {
+    const turns = [this.x.turn ?? null, this.y.turn ?? null];
+    trace(points, turns, ([x, y]) => c.moveTo(this.across(x), this.up(y)), ([x, y]) => c.lineTo(this.across(x), this.up(y)), from, to);
   }
 
   /** Empties the chart and draws its axes. */
@@ -174,9 +193,10 @@ function number(c: CanvasRenderingContext2D, text: string, x: number, y: number,
   c.textAlign = align;
 }
 
-/** Round values for labels, about as many as wanted. */
-export function ticks({ range: [low, high], log }: Axis, wanted: number): { value: number; text: string }[] {
+/** Round values for labels, about as many as wanted; parts of a turn for an angle. */
+export function ticks({ range: [low, high], log, turn }: Axis, wanted: number): { value: number; text: string }[] {
   const count = Math.max(wanted, 2);
+  if (turn && isAngle(turn) && high - low >= Math.PI) return quarters(low, high);
   if (log) {
     const [from, to] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
     const every = Math.max(1, Math.ceil((to - from) / count));
@@ -195,13 +215,28 @@ export function ticks({ range: [low, high], log }: Axis, wanted: number): { valu
   return found;
 }
 
+function isAngle([begin, end]: Turn): boolean {
+  return Math.abs(end - begin - 2 * Math.PI) <= 4 * Number.EPSILON * 2 * Math.PI;
+}
+
+/** Quarters of a turn. */
+function quarters(low: number, high: number): { value: number; text: string }[] {
+  const quarter = Math.PI / 2;
+  const found: { value: number; text: string }[] = [];
+  for (let k = Math.ceil(low / quarter - 1e-9); k <= Math.floor(high / quarter + 1e-9); k++) {
+    const size = Math.abs(k) % 2 ? `${Math.abs(k) === 1 ? "" : Math.abs(k)}π/2` : `${Math.abs(k) === 2 ? "" : Math.abs(k) / 2}π`;
+    found.push({ value: k * quarter, text: k === 0 ? "0" : `${k < 0 ? "−" : ""}${size}` });
+  }
+  return found;
+}
+
 function powerOfTen(power: number): string {
   if (power >= -1 && power <= 2) return String(10 ** power);
   return `10^${String(power).replace("-", "−")}`;
 }
 
-/** A range with a margin; never empty. */
-export function padded([low, high]: Range, margin = 0.08): Range {
-  const room = Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1)) * margin;
-  return [low - room, high + room];
+/** A range with a margin, but within its turn; never empty. */
+export function padded([low, high]: Range, turn: Turn | null = null): Range {
+  const room = Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1)) * MARGIN;
+  return turn ? [Math.max(low - room, turn[0]), Math.min(high + room, turn[1])] : [low - room, high + room];
 }

@@ -1,11 +1,12 @@
 /** Crossings of the surface in two components, coloured by their time.  A click on one starts there. */
 
-import { components as ofTops } from "../data/tops";
 import type { Results } from "../results";
-import { OF_TOPS, type Charted, type Clock } from "../state/charted";
+import { COORDINATES_OF_TOPS, OF_TOPS, type Charted, type Clock, type Coordinates } from "../state/charted";
+import { within } from "../state/turn";
 import { timeColour, type Palette } from "../style/palette";
 import { element, plain } from "../symbols";
 import { padded, Plot } from "./plot";
+import { remarkIn, setText } from "./remark";
 
 /** How near the pointer must be, in pixels. */
 const REACH = 12;
@@ -18,10 +19,12 @@ export class SectionPanel {
   private shown: unknown = null;
   private chosen: number | null = null;
   private readonly head: HTMLElement;
+  private readonly remark: HTMLElement;
 
-  constructor(panel: HTMLElement, private readonly start: (state: Float64Array) => void, private readonly said: (text: string) => void, private readonly components: readonly string[] = ofTops, private readonly clock: Clock = OF_TOPS) {
+  constructor(panel: HTMLElement, private readonly start: (state: Float64Array) => void, private readonly said: (text: string) => void, private readonly coordinates: Coordinates = COORDINATES_OF_TOPS, private readonly clock: Clock = OF_TOPS) {
     this.plot = new Plot(panel, "Poincaré section");
     this.head = panel.querySelector("p") as HTMLElement;
+    this.remark = remarkIn(panel);
     const { canvas } = this.plot;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
@@ -39,7 +42,8 @@ export class SectionPanel {
     const { plot } = this;
     const sign = lab.direction === 0 ? " ↕" : lab.direction > 0 ? " ↑" : " ↓";
     const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
-    this.columns = [this.components.indexOf(lab.axes[0]), this.components.indexOf(lab.axes[1])];
+    const { components, turns } = this.coordinates;
+    this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
     if (results !== this.results) this.chosen = null; // a crossing of another orbit
     const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
@@ -49,9 +53,10 @@ export class SectionPanel {
       this.fitted = rows.length;
       [this.results, this.shown, this.drawn] = [results, key, 0];
       for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
-        const values = rows.map((row) => row[column]);
-        const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))]) : ([-1, 1] as const);
-        plot[axis] = { range, name: this.components[column] };
+        const turn = turns[column];
+        const values = rows.map((row) => within(row[column], turn));
+        const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))], turn) : ([-1, 1] as const);
+        plot[axis] = { range, name: components[column], turn };
       }
       plot.axes(palette);
     }
@@ -64,6 +69,8 @@ export class SectionPanel {
       plot.below.arc(x, y, size, 0, 7);
       plot.below.fill();
     }
+    const none = rows.length === 0 && results.until >= this.clock.horizon ? `Up to t = ${Number(results.until.toPrecision(3))} the orbit does not cross the surface in this direction.` : "";
+    setText(this.remark, lab.remark ?? none);
     plot.clearAbove();
     const last = results.crossings.before(lab.time);
     if (last >= 0) ring(plot.above, this.place(rows[last]), palette.l, 6);
@@ -76,7 +83,9 @@ export class SectionPanel {
     scale.style.background = `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map((part) => timeColour(part, palette.dark)).join(",")})`;
     const bold = document.createElement("b");
     bold.textContent = count.toLocaleString("en");
-    this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${sign} · `, bold, " crossings");
+    // a modulus leaves no room for the word
+    const [modulo, words] = lab.modulus ? [` mod ${lab.modulus}`, ""] : ["", count === 1 ? " crossing" : " crossings"];
+    this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${modulo}${sign} · `, bold, words);
     this.head.setAttribute("title", "Crossings that rise (↑), fall (↓), or both (↕); early ones violet, late ones yellow.");
   }
 
@@ -126,7 +135,8 @@ export class SectionPanel {
     if (step && count) {
       this.chosen = ((this.chosen ?? (step > 0 ? -1 : count)) + step + count) % count;
       const row = this.results!.crossings.rows[this.chosen];
-      const place = this.columns.map((column) => `${plain(this.components[column])} = ${row[column].toPrecision(4)}`).join(", ");
+      const { components, turns } = this.coordinates;
+      const place = this.columns.map((column) => `${plain(components[column])} = ${within(row[column], turns[column]).toPrecision(4)}`).join(", ");
       this.said(`crossing ${this.chosen + 1} of ${count}, t = ${this.results!.crossings.times[this.chosen].toFixed(2)}, ${place}`);
     } else if (event.key === "Enter") this.begin(this.chosen);
     else if (event.key === "Escape") this.chosen = null;

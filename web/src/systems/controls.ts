@@ -4,7 +4,8 @@ import type { Results } from "../results";
 import { exact, type Exact } from "../state/exact";
 import type { Direction } from "../state/laboratory";
 import { element, plain } from "../symbols";
-import { surfaceNames, type SystemDescription } from "./description";
+import { withoutTime, type SystemDescription } from "./description";
+import { aboutEnergy } from "./time";
 import { vectorNames } from "./vectors";
 import type { SystemAction, SystemState, View } from "./state";
 
@@ -41,7 +42,7 @@ export class SystemControls {
     this.parts.series.append(chips);
     panel.append(...Object.values(this.parts));
     this.heading("Section and axes");
-    const surfaces = surfaceNames(system).map((name, k): [string, string] => [String(k), `${plain(name)} = 0`]);
+    const surfaces = system.surfaces.map(({ name, modulus }, k): [string, string] => [String(k), `${plain(name)} = 0${modulus ? ` mod ${modulus}` : ""}`]);
     this.pair(this.select("surface", surfaces), this.select("direction", [["1", "rising"], ["-1", "falling"], ["0", "both"]]));
     this.pair(
       this.select("horizontal axis", numbered.map(([value, text]) => [value, `→ ${text}`])),
@@ -54,6 +55,8 @@ export class SystemControls {
     if (system.invariants) this.heading("Conserved, now");
     this.invariants.id = "invariants";
     panel.append(this.invariants);
+    const energy = aboutEnergy(system);
+    if (energy) panel.append(Object.assign(document.createElement("p"), { className: "note", textContent: energy }));
     if (system.saved) this.heading("Saved result");
     this.saved.className = "saved";
     this.saved.setAttribute("role", "status");
@@ -76,19 +79,21 @@ export class SystemControls {
 
   private starts(): void {
     const { components, vector_length } = this.system;
-    const vectors = vector_length === 3 && components.length % 3 === 0 ? vectorNames(components) : [];
-    if (vectors.length && vectors.every((name) => plain(name).length <= 2)) {
+    const own = withoutTime(this.system);
+    const vectors = vector_length === 3 && own.length % 3 === 0 ? vectorNames(own) : [];
+    const hasRows = vectors.length && vectors.every((name) => plain(name).length <= 2);
+    if (hasRows) {
       vectors.forEach((vector, k) => {
         const row = document.createElement("div");
         row.className = "row";
         row.append(element(vector), ...[0, 1, 2].map((i) => this.input(components[3 * k + i], 3 * k + i)));
         this.panel.append(row);
       });
-      return;
     }
-    const longest = components.reduce((most, name) => Math.max(most, plain(name).length), 0);
-    const per = longest > SHORT ? 1 : vector_length === 3 ? 3 : 2;
-    for (let first = 0; first < components.length; first += per) {
+    const rest = hasRows ? own.length : 0;
+    const longest = components.slice(rest).reduce((most, name) => Math.max(most, plain(name).length), 0);
+    const per = longest > SHORT ? 1 : vector_length === 3 && !rest ? 3 : 2;
+    for (let first = rest; first < components.length; first += per) {
       const row = document.createElement("div");
       row.className = `row start${per}`;
       components.slice(first, first + per).forEach((name, k) => row.append(this.entry(name, first + k)));

@@ -1,10 +1,11 @@
 /** The system that the page carries: plain data, which Python has written (`liepoisson/laboratory/pages.py`). */
 
 import type { FunctionsDescription, OtherDescription } from "../core/core.js";
+import type { Turn } from "../state/turn";
 
 /** The element of the page that holds it. */
 export const CARRIED = "system";
-const VERSION = 1;
+const VERSION = 2;
 /** What a page can show and compute while somebody waits. */
 export const MOST_COMPONENTS = 400;
 export const MOST_TERMS = 100_000;
@@ -12,6 +13,13 @@ export const MOST_TERMS = 100_000;
 export interface Named {
   readonly names: readonly string[];
   readonly functions: FunctionsDescription;
+}
+
+/** Where the first function is zero and the guard, if there is one, positive; `modulus` is the number modulo which that is meant. */
+export interface SurfaceDescription {
+  readonly name: string;
+  readonly functions: FunctionsDescription;
+  readonly modulus: string | null;
 }
 
 /** A linear map from the state to a picture: sums of coefficient * component * across(x) * up(y). */
@@ -55,10 +63,14 @@ export interface SystemDescription {
   readonly words: string;
   readonly components: readonly string[];
   readonly vector_length: number;
+  /** Of each component the turn within which it is drawn, if it is a point of a circle. */
+  readonly turns: readonly (Turn | null)[];
+  /** The component that is time, of a Hamiltonian that depends on it; its momentum is the next one. */
+  readonly clock: number | null;
   readonly field: OtherDescription;
   readonly invariants: Named | null;
-  /** Functions whose zeros are surfaces of section, besides the components. */
-  readonly surfaces: Named | null;
+  /** Surfaces of section: of each component, then others. */
+  readonly surfaces: readonly SurfaceDescription[];
   /** Texts of exact numbers. */
   readonly start: readonly string[];
   /** The time in which it moves. */
@@ -95,12 +107,16 @@ export function described(text: string): SystemDescription {
   if (field.kind !== "top" && field.n_components !== n) throw new Malformed(`its field has ${shown(field.n_components)} components, and there are ${n} names`);
   const size = sizeOf(one.field as OtherDescription);
   if (size > MOST_TERMS) throw new Malformed(`its field has ${size} terms; a page follows at most ${MOST_TERMS}. Use the Python package for it`);
-  for (const name of ["invariants", "surfaces"]) if (one[name] !== null) named(one[name], name, n);
+  if (one.invariants !== null) named(one.invariants, "invariants", n);
+  const surfaces = list(one.surfaces, "surfaces");
+  for (const surface of surfaces) surface_(record(surface, "a surface"), n);
+  if (surfaces.length < n) throw new Malformed(`it has ${surfaces.length} surfaces; wanted one for each of its ${n} components`);
   whole(one.vector_length, "vector_length", 1, n);
+  for (const turn of list(one.turns, "turns", n)) if (turn !== null) turn_(numbers(turn, "turns"));
+  if (one.clock !== null) whole(one.clock, "clock", 0, n - 2);
   if (texts(one.start, "start").length !== n) throw new Malformed(`its start has ${(one.start as unknown[]).length} numbers; wanted ${n}`);
   if (!(typeof one.unit === "number" && one.unit > 0 && Number.isFinite(one.unit))) throw new Malformed("its unit of time is no positive number");
-  const functions = one.surfaces === null ? 0 : (one.surfaces as Named).names.length;
-  whole(one.surface, "surface", 0, n + functions - 1);
+  whole(one.surface, "surface", 0, surfaces.length - 1);
   whole(one.direction, "direction", -1, 1);
   list(one.axes, "axes", 2).forEach((axis) => whole(axis, "axes", 0, n - 1));
   if (one.picture !== null) picture(record(one.picture, "picture"), n);
@@ -115,6 +131,17 @@ function named(value: unknown, what: string, n: number): void {
   if (functions.n_components !== n || texts(one.names, `names of ${what}`).length !== outputs.length) {
     throw new Malformed(`its ${what} do not fit its components`);
   }
+}
+
+function surface_(one: Plain, n: number): void {
+  text_(one.name, "name of a surface");
+  const functions = record(one.functions, "functions of a surface");
+  if (functions.n_components !== n || list(functions.outputs, "outputs of a surface").length !== 1) throw new Malformed("a surface does not fit its components");
+  if (one.modulus !== null) text_(one.modulus, "modulus of a surface");
+}
+
+function turn_(turn: readonly number[]): void {
+  if (turn.length !== 2 || !(turn[0] < turn[1])) throw new Malformed(`a turn goes from one number to a larger one; got ${shown(turn)}`);
 }
 
 function picture(one: Plain, n: number): void {
@@ -154,17 +181,14 @@ export function sizeOf(field: OtherDescription): number {
   return terms;
 }
 
-/** What vanishes on a surface: a component, or one of the functions. */
-export function surfaceOf({ components, surfaces }: SystemDescription, index: number): FunctionsDescription {
-  const n = components.length;
-  if (index < n) return { n_components: n, instructions: [], outputs: [index] };
-  const { functions } = surfaces as Named;
-  return { ...functions, outputs: [functions.outputs[index - n]] };
+/** Names of all surfaces, in the order of their numbers. */
+export function surfaceNames({ surfaces }: SystemDescription): readonly string[] {
+  return surfaces.map(({ name }) => name);
 }
 
-/** Names of all surfaces, in the order of their numbers. */
-export function surfaceNames({ components, surfaces }: SystemDescription): readonly string[] {
-  return [...components, ...(surfaces?.names ?? [])];
+/** Components that are not of time: those before it. */
+export function withoutTime({ components, clock }: SystemDescription): readonly string[] {
+  return clock === null ? components : components.slice(0, clock);
 }
 
 function record(value: unknown, what: string): Plain {

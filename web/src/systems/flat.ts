@@ -1,8 +1,9 @@
 /** What is drawn of an orbit in the plane: two components, some components over time, or a picture of the state. */
 
 import type { Results } from "../results";
-import { Plot, padded, type Range } from "../panels/plot";
+import { Plot, padded, type Axis, type Range } from "../panels/plot";
 import type { Clock } from "../state/charted";
+import { Extent, within, type Turn } from "../state/turn";
 import { timeColour, type Palette } from "../style/palette";
 import type { Picture, SystemDescription } from "./description";
 import type { SystemState } from "./state";
@@ -15,32 +16,25 @@ const PIECES = 32;
 export class Ranges {
   private results: Results | null = null;
   private seen = 0;
-  low: Float64Array = new Float64Array();
-  high: Float64Array = new Float64Array();
+  private extents: Extent[] = [];
 
-  /** True if one has grown. */
-  look(results: Results): boolean {
+  constructor(readonly turns: readonly (Turn | null)[]) {}
+
+  look(results: Results): void {
     const { width } = results;
     if (results !== this.results) {
       [this.results, this.seen] = [results, 0];
-      this.low = new Float64Array(width).fill(Infinity);
-      this.high = new Float64Array(width).fill(-Infinity);
+      this.extents = this.turns.map(() => new Extent());
     }
     const { chunks } = results.top;
-    let grown = false;
     for (; this.seen < chunks.length; this.seen++) {
       const { states } = chunks[this.seen];
-      for (let at = 0; at < states.length; at++) {
-        const [k, value] = [at % width, states[at]];
-        if (value < this.low[k]) [this.low[k], grown] = [value, true];
-        if (value > this.high[k]) [this.high[k], grown] = [value, true];
-      }
+      for (let at = 0; at < states.length; at++) this.extents[at % width].add(states[at], this.turns[at % width]);
     }
-    return grown;
   }
 
   of(component: number): Range {
-    return this.low[component] <= this.high[component] ? [this.low[component], this.high[component]] : [-1, 1];
+    return this.extents[component]?.range ?? [-1, 1];
   }
 }
 
@@ -73,7 +67,7 @@ export class FlatView {
     else this.path(state, results, ranges, palette);
   }
 
-  private axes(x: { range: Range; name: string }, y: { range: Range; name: string }, palette: Palette): void {
+  private axes(x: Axis, y: Axis, palette: Palette): void {
     const { plot } = this;
     const key = [x.range, x.name, y.range, y.name, palette.panel, palette.dark].join();
     if (plot.measure() || key !== this.key) {
@@ -86,14 +80,15 @@ export class FlatView {
   /** Two components, the past paler. */
   private path({ space, time }: SystemState, results: Results, ranges: Ranges, palette: Palette): void {
     const [x, y] = space;
-    const { components } = this.system;
-    this.axes({ range: padded(ranges.of(x)), name: components[x] }, { range: padded(ranges.of(y)), name: components[y] }, palette);
+    const { components, turns } = this.system;
+    const axis = (k: number): Axis => ({ range: padded(ranges.of(k), turns[k]), name: components[k], turn: turns[k] });
+    this.axes(axis(x), axis(y), palette);
     const { plot } = this;
     const points: number[] = [];
-    results.top.visit(Math.max(0, time - PAST * this.clock.unit), time, (_, states, at) => points.push(plot.px(states[at + x]), plot.py(states[at + y])));
+    results.top.visit(Math.max(0, time - PAST * this.clock.unit), time, (_, states, at) => points.push(states[at + x], states[at + y]));
     const now = results.top.at(time);
     if (!now) return;
-    points.push(plot.px(now[x]), plot.py(now[y]));
+    points.push(now[x], now[y]);
     const [c, count] = [plot.above, points.length / 2];
     c.lineJoin = "round";
     c.lineWidth = 1.8;
@@ -101,16 +96,17 @@ export class FlatView {
       c.strokeStyle = timeColour(piece / (PIECES - 1), palette.dark);
       c.globalAlpha = 0.2 + (0.8 * piece) / PIECES;
       c.beginPath();
-      for (let k = Math.floor((piece * count) / PIECES); k <= Math.min(Math.floor(((piece + 1) * count) / PIECES), count - 1); k++) c.lineTo(points[2 * k], points[2 * k + 1]);
+      plot.trace(c, points, Math.floor((piece * count) / PIECES), Math.min(Math.floor(((piece + 1) * count) / PIECES), count - 1));
       c.stroke();
     }
     c.globalAlpha = 1;
-    disc(c, points[2 * count - 2], points[2 * count - 1], 5.5, palette.l);
+    disc(c, plot.px(now[x]), plot.py(now[y]), 5.5, palette.l);
   }
 
   /** Components over the last units of time. */
   private series({ series, time }: SystemState, results: Results, ranges: Ranges, palette: Palette): void {
     const { plot, clock } = this;
+    const { turns } = this.system;
     const from = Math.max(0, time - PAST * clock.unit);
     const among = series.map((k) => ranges.of(k));
     const range = among.reduce<Range>(([a, b], [low, high]) => [Math.min(a, low), Math.max(b, high)], [Infinity, -Infinity]);
@@ -129,11 +125,14 @@ export class FlatView {
     series.forEach((component, k) => {
       c.strokeStyle = colours[k % colours.length];
       c.beginPath();
-      for (const [when, values] of places) c.lineTo(plot.px(when), plot.py(values[component]));
+      // each has a turn of its own
+      plot.y = { ...plot.y, turn: turns[component] };
+      plot.trace(c, places.flatMap(([when, values]) => [when, values[component]]));
       c.stroke();
     });
     c.restore();
-    series.forEach((component, k) => disc(c, plot.px(time), plot.py(now[component]), 4, colours[k % colours.length]));
+    plot.y = { ...plot.y, turn: null };
+    series.forEach((component, k) => disc(c, plot.px(time), plot.py(within(now[component], turns[component])), 4, colours[k % colours.length]));
   }
 
   /** A picture of the state; one scale of colours for the orbit, so that its strength can be compared. */

@@ -16,6 +16,8 @@ const WORDS: readonly (readonly [string, string])[] = [
   ["Section", "Crossings of a surface, in two components. With more than two degrees of freedom this is a projection, and a projection is a cloud even where the motion is regular."],
   ["Exponent", "The growth of a small distance per unit of time, up to that time. It tends to zero for a regular orbit, as slowly as the logarithm of time over time; a finite run proves neither order nor chaos. The band is that of starts along this orbit."],
   ["Drift", "Distance of each invariant from its value at the start: what rounding and the tolerance have done."],
+  ["Angles", "They are kept as they grow, and drawn within one turn: a line ends at its end and goes on at its beginning. A section by an angle is taken modulo a turn."],
+  ["Time", "Of a Hamiltonian that repeats itself in time, t is drawn within a period, and its section is the stroboscopic map. The energy is not conserved; its sum with the momentum of time is."],
   ["Scales", "Vectors are drawn to fit, each with one scale for the orbit. In a projection, components that vary much less than the others are stretched."],
 ];
 

@@ -16,11 +16,12 @@ import { palette as currentPalette, type Palette } from "../style/palette";
 import { Client } from "../worker/client";
 import { inWords } from "./comparison";
 import { SystemControls } from "./controls";
-import { CARRIED, described, surfaceNames, type SystemDescription } from "./description";
+import { CARRIED, described, type SystemDescription } from "./description";
 import { FlatView, Ranges, seriesColours } from "./flat";
 import { fillHelp } from "./help";
 import { SpaceView } from "./space";
 import { begun, changed, clockOf, sameRun, timeText, viewsOf, type SystemAction, type SystemState, type View } from "./state";
+import { aboutSurface, counted, isStroboscopic } from "./time";
 import { read, written } from "./url";
 
 /** A step, of a frame at speed 1, and how far the motion is computed ahead: in units of time. */
@@ -52,13 +53,12 @@ find("message").querySelector("button")?.addEventListener("click", () => tell(""
 /** What the page shows, once it is known that it can. */
 class SystemPage {
   private readonly clock;
-  private readonly names: readonly string[];
   private state: SystemState;
   private results: Results;
   private palette: Palette = currentPalette();
   private client: Client | null = null;
   private asked = 0;
-  private readonly ranges = new Ranges();
+  private readonly ranges: Ranges;
   private readonly controls: SystemControls;
   private readonly space: SpaceView;
   private readonly flat: FlatView;
@@ -70,18 +70,17 @@ class SystemPage {
 
   constructor(private readonly system: SystemDescription) {
     const clock = (this.clock = clockOf(system));
-    const { components } = system;
-    this.names = surfaceNames(system);
+    this.ranges = new Ranges(system.turns);
     this.views = viewsOf(system);
     this.state = begun(system);
-    this.results = new Results(components.length);
+    this.results = new Results(system.components.length);
     const panel = find("scene");
     panel.setAttribute("aria-label", "The motion");
     this.controls = new SystemControls(find("controls"), system, (action) => this.act(action), tell);
     this.space = new SpaceView(panel.querySelector(".view") as HTMLElement, system, clock, quality, this.views.includes("vectors"));
     this.flat = new FlatView(panel, system, clock);
-    this.section = new SectionPanel(find("section"), (state) => this.startAt(state), say, components, clock);
-    this.portrait = new PortraitPanel(find("portrait"), components, clock);
+    this.section = new SectionPanel(find("section"), (state) => this.startAt(state), say, system, clock);
+    this.portrait = new PortraitPanel(find("portrait"), system, clock);
     this.lyapunov = new LyapunovPanel(find("lyapunov"), clock);
     this.drift = new DriftPanel(find("drift"), clock);
   }
@@ -137,6 +136,7 @@ class SystemPage {
     this.space.show(!isFlat);
     this.flat.show(isFlat, state.view === "picture" ? `${system.picture?.name} of the state` : state.view === "series" ? "Components over time" : "Path in two components");
     this.legend(colours);
+    find("section-h").textContent = isStroboscopic(system, state.surface) ? "Stroboscopic map" : "Poincaré section";
     this.space.dirty = true;
     place().keep(() => written(system, this.state), state.playing);
   }
@@ -173,9 +173,7 @@ class SystemPage {
     const { system } = this;
     document.title = `${system.name} · liepoisson`;
     find("title").textContent = system.name;
-    const n = system.components.length;
-    const surfaces = system.saved ? ", with a saved result" : "";
-    find("subtitle").textContent = `${n} component${n > 1 ? "s" : ""}${surfaces}`;
+    find("subtitle").textContent = `${counted(system)}${system.saved ? ", with a saved result" : ""}`;
     (document.querySelector(".skip") as HTMLElement).textContent = "Skip to the motion";
     const nav = find("presets");
     nav.setAttribute("aria-label", "Views");
@@ -274,9 +272,12 @@ class SystemPage {
 
   private draw(): void {
     const { results, state, palette, frames, system } = this;
+    const { name, modulus } = system.surfaces[state.surface];
     const charted: Charted = {
       axes: [system.components[state.axes[0]], system.components[state.axes[1]]],
-      surface: shortened(this.names[state.surface]),
+      surface: shortened(name),
+      modulus,
+      remark: aboutSurface(system, state.surface),
       direction: state.direction,
       time: state.time,
     };

@@ -10,10 +10,11 @@ import { emptied } from "../panels/parts";
 import { arrow, floorOf, point } from "../panels/scene";
 import type { Results } from "../results";
 import type { Clock } from "../state/charted";
+import { trace, within, type Turn } from "../state/turn";
 import type { Palette } from "../style/palette";
 import { element } from "../symbols";
 import { PAST, seriesColours, type Ranges } from "./flat";
-import type { SystemDescription } from "./description";
+import { withoutTime, type SystemDescription } from "./description";
 import type { SystemState } from "./state";
 import { vectorNames } from "./vectors";
 
@@ -44,10 +45,12 @@ export class SpaceView {
   private height = 0;
   private scales: { of: Results | null; all: readonly number[] } = { of: null, all: [] };
   readonly names: readonly string[];
+  private readonly turns: readonly (Turn | null)[];
   dirty = true;
 
   constructor(private readonly holder: HTMLElement, system: SystemDescription, private readonly clock: Clock, quality: "low" | "full" | null, vectors: boolean) {
-    this.names = vectors ? vectorNames(system.components) : [];
+    this.names = vectors ? vectorNames(withoutTime(system)) : [];
+    this.turns = system.turns;
     this.arrows = this.names.map(() => arrow());
     this.trails = this.names.map(() => new Ribbon(TRAIL_POINTS, 3.6));
     this.works = this.begin(quality);
@@ -177,11 +180,18 @@ export class SpaceView {
 
   private follow(space: [number, number, number], time: number, now: Float64Array, results: Results, ranges: Ranges): void {
     const place = placing(space, ranges);
-    const points: number[] = [];
-    results.top.visit(Math.max(0, time - PAST * this.clock.unit), time, (_, states, at) => points.push(...place((k) => states[at + k])));
-    const last = place((k) => now[k]);
-    this.path.through([...points, ...last]);
-    this.tip.position.set(...last);
+    const turns = space.map((k) => this.turns[k]);
+    const states: number[] = [];
+    results.top.visit(Math.max(0, time - PAST * this.clock.unit), time, (_, all, at) => states.push(...space.map((k) => all[at + k])));
+    states.push(...space.map((k) => now[k]));
+    const [points, begins]: [number[], Set<number>] = [[], new Set()];
+    const add = (point: readonly number[]) => points.push(...place((k) => point[space.indexOf(k)]));
+    trace(states, turns, (point) => {
+      begins.add(points.length / 3);
+      add(point);
+    }, add);
+    this.path.through(points, begins);
+    this.tip.position.set(...place((k) => within(now[k], this.turns[k])));
   }
 
   private move(time: number, now: Float64Array, results: Results): void {

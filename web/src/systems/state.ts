@@ -1,9 +1,10 @@
 /** The state of the page of a system: one value, never changed in place, from which everything that is seen follows. */
 
-import { exact, type Exact } from "../state/exact";
+import { exact, shortest, type Exact } from "../state/exact";
 import { FASTEST, Refused, SLOWEST, type Direction, type Theme } from "../state/laboratory";
 import { inUnits, type Clock } from "../state/charted";
-import { surfaceNames, type SystemDescription } from "./description";
+import { within as withinTurn, type Turn } from "../state/turn";
+import { surfaceNames, withoutTime, type SystemDescription } from "./description";
 
 export const VIEWS = ["vectors", "picture", "projection", "series"] as const;
 export type View = (typeof VIEWS)[number];
@@ -50,10 +51,11 @@ export function clockOf({ unit }: SystemDescription): Clock {
 }
 
 /** The views that a system has. */
-export function viewsOf({ components, vector_length, picture }: SystemDescription): readonly View[] {
-  const n = components.length;
+export function viewsOf(system: SystemDescription): readonly View[] {
+  const { components, vector_length, turns, picture } = system;
+  const [n, own] = [components.length, withoutTime(system).length];
   const has: Record<View, boolean> = {
-    vectors: vector_length === 3 && n % 3 === 0 && n <= 27,
+    vectors: vector_length === 3 && own % 3 === 0 && own <= 27 && !turns.some((turn, k) => turn && k < own),
     picture: picture !== null,
     projection: n > 1,
     series: true,
@@ -63,15 +65,18 @@ export function viewsOf({ components, vector_length, picture }: SystemDescriptio
 
 /** The state in which the page begins. */
 export function begun(system: SystemDescription): SystemState {
-  const n = system.components.length;
+  const { clock, turns } = system;
+  const own = withoutTime(system).map((_, k) => k);
+  // time goes on and on, unless it is a point of a circle
+  const others = clock === null || !turns[clock] ? own : [...own, clock];
   return {
     start: system.start.map(exact),
     surface: system.surface,
     direction: system.direction,
     axes: system.axes,
     view: viewsOf(system)[0],
-    space: [0, Math.min(1, n - 1), n > 2 ? 2 : null],
-    series: system.components.map((_, k) => k).slice(0, 4),
+    space: [0, others[1] ?? 0, others[2] ?? null],
+    series: own.slice(0, 4),
     tol: exact("1e-15"),
     theme: "auto",
     time: 0,
@@ -86,7 +91,7 @@ export function changed(system: SystemDescription, state: SystemState, action: S
     case "start":
       return { ...state, start: state.start.with(action.index, action.to), time: 0 };
     case "start at":
-      return { ...state, start: [...action.state], time: 0 };
+      return { ...state, start: action.state.map((one, k) => inTurn(one, system.turns[k])), time: 0 };
     case "surface":
       return { ...state, surface: within(action.surface, surfaceNames(system).length, "a surface"), direction: action.direction };
     case "axes":
@@ -114,6 +119,12 @@ export function changed(system: SystemDescription, state: SystemState, action: S
     case "play":
       return { ...state, playing: action.playing };
   }
+}
+
+/** The same point of a circle, within its turn. */
+function inTurn(one: Exact, turn: Turn | null): Exact {
+  const value = withinTurn(one.value, turn);
+  return value === one.value ? one : shortest(value);
 }
 
 /** Whether the same orbit and crossings are computed. */

@@ -4,12 +4,16 @@
  *
  * The orbit is integrated once, from one checkpoint to the next, and looked at for crossings on the way.  What is drawn of
  * the moving body starts from these checkpoints again, so that it stays on the same orbit however chaotic that is.
+ *
+ * At a checkpoint points of circles are moved into their turns, since steps are as exact as the largest component; the turns
+ * are added to what is said.
  */
 
 import type { Core, Field, Functions, Method } from "../core/core.js";
 import { comparison } from "../systems/comparison";
 import type { Job, SystemJob, Update } from "./messages";
 import { modelOf, type Model } from "./model";
+import { within, type Turn } from "../state/turn";
 import { interval } from "./times";
 
 /** Between checkpoints, once the time is beyond it; this and the other times are in the unit of the model. */
@@ -39,7 +43,9 @@ export class Computation {
   private readonly first: Float64Array;
 
   private readonly times: number[] = [0];
+  /** States within their turns, and the whole turns before. */
   private readonly checkpoints: Float64Array[];
+  private readonly turned: Float64Array[];
   private side: Float64Array = new Float64Array();
   private readonly moved: { next: number; state: Float64Array; stopped: boolean }[];
   private readonly early: readonly number[];
@@ -65,7 +71,8 @@ export class Computation {
     this.stride = (STRIDE * model.unit) / model.parts;
     this.early = EARLY.map((time) => time * model.unit).filter((time) => time < this.stride);
     this.wanted = 2 * STRIDE * model.unit;
-    this.checkpoints = [Float64Array.from(start)];
+    this.checkpoints = [inTurns(Float64Array.from(start), model.turns)];
+    this.turned = [this.checkpoints[0].map((value, k) => start[k] - value)];
     this.first = this.valuesAt(this.checkpoints[0]);
     const shadow = start.with(0, start[0] + SHADOW);
     this.moved = [start, shadow].map((state, k) => ({ next: 0, state: Float64Array.from([...state, ...model.attitude]), stopped: k === 1 && !model.shadow }));
@@ -138,13 +145,14 @@ export class Computation {
     orbit.free();
     const states = withoutParameters(wide, times.length, this.model.width);
     one.state = states.slice(-this.model.width);
+    const turned = this.turned[one.next];
     one.next += 1;
     if (outcome[0] !== "finished") {
       one.stopped = true;
       return { say: "ended", what: which === 0 ? "motion" : "shadow", outcome: outcome[0], time: endTime[0] };
     }
     const [values, axes] = [this.invariants, this.ellipsoid].map((functions) => (which === 0 ? this.valuesAt(states, this.model.width, functions) : new Float64Array()));
-    return { say: "motion", shadow: which === 1, times, states, values, ellipsoid: axes };
+    return { say: "motion", shadow: which === 1, times, states: this.withTurns(states, turned, this.model.width), values, ellipsoid: axes };
   }
 
   private drifted: { times: number[]; differences: number[] } = { times: [], differences: [] };
@@ -163,12 +171,24 @@ export class Computation {
       this.stopped = true;
       return { say: "ended", what: "orbit", outcome: found.outcome[0], time: found.endTime[0] };
     }
+    const end = inTurns(found.endState, this.model.turns);
+    const turned = this.turned[this.turned.length - 1];
     this.times.push(to);
-    this.checkpoints.push(found.endState);
-    const values = this.valuesAt(found.endState);
+    this.checkpoints.push(end);
+    this.turned.push(turned.map((value, k) => value + (found.endState[k] - end[k])));
+    const values = this.valuesAt(end);
     this.drifted.times.push(to);
     this.drifted.differences.push(...values.map((value, k) => value - this.first[k]));
-    return { say: "crossings", times: found.crossings.time, states: found.crossings.state, until: to };
+    const states = this.withTurns(found.crossings.state, turned, this.model.nComponents);
+    return { say: "crossings", times: found.crossings.time, states, until: to };
+  }
+
+  /** States of `width` components with the turns before their checkpoint. */
+  private withTurns(states: Float64Array, turned: Float64Array, width: number): Float64Array {
+    this.model.turns.forEach((turn, k) => {
+      if (turn && turned[k] !== 0) for (let at = k; at < states.length; at += width) states[at] += turned[k];
+    });
+    return states;
   }
 
   private drift(): Update | null {
@@ -180,7 +200,7 @@ export class Computation {
 
   /** The finite-time exponent of the orbit. */
   private growth(): Update | null {
-    this.exponent ??= new Growth(this.core, this.field, this.method, Float64Array.from(this.job.start), this.job.horizon, this.model.unit);
+    this.exponent ??= new Growth(this.core, this.field, this.method, this.checkpoints[0], this.job.horizon, this.model);
     const found = this.exponent.advance();
     return found && { say: "exponent", times: Float64Array.of(found.time), values: found.values };
   }
@@ -193,7 +213,7 @@ export class Computation {
       if (late.length < MEMBERS) return null;
       const states = Array.from({ length: MEMBERS }, (_, k) => late[Math.floor((k * late.length) / MEMBERS)]);
       const flat = Float64Array.from(states.flatMap((state) => [...state]));
-      this.band = new Growth(this.core, this.field, this.method, flat, this.job.horizon * BAND_HORIZON, this.model.unit);
+      this.band = new Growth(this.core, this.field, this.method, flat, this.job.horizon * BAND_HORIZON, this.model);
     }
     const found = this.band.advance();
     if (!found) return null;
@@ -220,7 +240,7 @@ class Growth {
     private readonly method: Method,
     private states: Float64Array,
     private readonly horizon: number,
-    private readonly unit: number,
+    private readonly model: Model,
   ) {
     const n = field.nComponents;
     this.members = states.length / n;
@@ -232,8 +252,9 @@ class Growth {
   /** Exponents at the next time. */
   advance(): { time: number; values: Float64Array } | null {
     if (this.stopped || this.time >= this.horizon) return null;
-    const length = interval(this.done) * this.unit;
-    const parts = Math.max(1, Math.ceil((length * this.members) / this.unit / AT_ONCE / 4));
+    const { unit, turns } = this.model;
+    const length = interval(this.done) * unit;
+    const parts = Math.max(1, Math.ceil((length * this.members) / unit / AT_ONCE / 4));
     const run = this.core.frames(this.field, this.method, this.states, this.frames, {
       nVectors: 1, elapsed: this.elapsed, duration: length / parts, nIntervals: parts,
     });
@@ -244,13 +265,18 @@ class Growth {
     for (let k = 0; k < this.members; k++) {
       for (let i = 0; i < parts; i++) this.grown[k] += run.growth[k * parts + i];
     }
-    this.states = run.endState;
+    this.states = inTurns(run.endState, turns);
     this.frames = run.frame;
     this.elapsed = run.endTime;
     this.time += length;
     this.done += 1;
     return { time: this.time, values: this.grown.map((growth) => growth / this.time) };
   }
+}
+
+/** The same points of the circles, of states one after the other. */
+function inTurns(states: Float64Array, turns: readonly (Turn | null)[]): Float64Array {
+  return turns.some((turn) => turn) ? states.map((value, at) => within(value, turns[at % turns.length])) : states;
 }
 
 /** The first `width` numbers of each of `count` rows. */

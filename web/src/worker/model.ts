@@ -2,7 +2,8 @@
 
 import type { Core, FieldDescription, FunctionsDescription } from "../core/core.js";
 import { ellipsoid, families, moving, N, position, WIDTH } from "../data/tops";
-import { sizeOf, surfaceOf } from "../systems/description";
+import type { Turn } from "../state/turn";
+import { sizeOf } from "../systems/description";
 import type { Job, SystemJob } from "./messages";
 
 export interface Model {
@@ -12,6 +13,8 @@ export interface Model {
   readonly field: FieldDescription;
   /** State, attitude, position and parameters, whose rates are zero. */
   readonly moving: FieldDescription;
+  /** Of each component its turn, if it is a point of a circle. */
+  readonly turns: readonly (Turn | null)[];
   readonly attitude: readonly number[];
   readonly parameters: readonly number[];
   readonly surface: FunctionsDescription;
@@ -45,6 +48,7 @@ function topModel(core: Core, { parameters, start, attitude, surface }: Job): Mo
     width: WIDTH,
     field: { kind: "top", inertia, a, b, epsilon: parameters[9] },
     moving,
+    turns: [],
     attitude: [...attitude, ...position.map(() => 0)],
     parameters,
     surface: { n_components: N, instructions: [], outputs: [surface] },
@@ -71,16 +75,17 @@ function familyOf(core: Core, at: readonly number[]) {
 }
 
 function systemModel({ system, surface }: SystemJob): Model {
-  const { components, field, invariants, unit } = system;
+  const { components, field, invariants, turns, unit } = system;
   const parts = Math.min(2 ** Math.max(Math.ceil(Math.log2(sizeOf(field) / TERMS)), 0), MOST_PARTS);
   return {
     nComponents: components.length,
     width: components.length,
     field,
     moving: field,
+    turns,
     attitude: [],
     parameters: [],
-    surface: surfaceOf(system, surface),
+    surface: system.surfaces[surface].functions,
     invariants: invariants?.functions ?? null,
     ellipsoid: null,
     names: invariants?.names ?? [],

@@ -44,7 +44,7 @@ pub(super) fn emit(shape: &Shape, constants: &mut Constants, function: usize, as
 /// lengths of its loops are counted from, these two in bytes from the start of the code. It is called with the addresses of the memory
 /// and of that for spilled values; what it returns is zero unless a piece has left it. None where an address is beyond 31 bits.
 pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<usize> {
-    let (width, _) = registers(assembler.instructions);
+    let (width, _) = registers_of(assembler.instructions);
     assembler.align();
     let start = assembler.code.len();
     assembler.push(COUNTS);
@@ -62,7 +62,7 @@ pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<us
 }
 
 /// Bytes that a register takes in memory, and how many registers there are.
-fn registers(instructions: Instructions) -> (i32, usize) {
+pub(super) fn registers_of(instructions: Instructions) -> (i32, usize) {
     match instructions {
         Instructions::Vex => (32, 16),
         Instructions::Evex => (64, 32),
@@ -117,7 +117,7 @@ impl<'a> Emitter<'a> {
         assembler: &'a mut Assembler,
     ) -> Option<Emitter<'a>> {
         let n = shape.operations.len();
-        let (width, registers) = registers(assembler.instructions);
+        let (width, registers) = registers_of(assembler.instructions);
         let mut emitter = Emitter {
             shape,
             assembler,

@@ -22,7 +22,7 @@ use crate::lanes::recorded::{Recording, Trace};
 use crate::lanes::{Instructions, Lane};
 use assembler::Assembler;
 use constants::Constants;
-use emit::{Turn, emit, emit_turns};
+use emit::{Turn, emit, emit_turns, registers_of};
 use known::Question;
 use memory::Pages;
 use shape::{Order, Shape, count_bases, reads};
@@ -119,7 +119,8 @@ struct Program {
 /// None where it cannot be compiled.
 fn compile(question: &Question) -> Option<Program> {
     let &Question { instructions, registers, function, .. } = question;
-    let recordings: Vec<Recording> = question.sources.iter().map(|source| source.trace.recording()).collect();
+    let mut recordings: Vec<Recording> = question.sources.iter().map(|source| source.trace.recording()).collect();
+    recordings.iter_mut().for_each(|recording| recording.join_loops(registers_of(instructions).1));
     let mut is_kept = question.is_wanted.clone();
     for recording in &recordings {
         is_kept.iter_mut().zip(reads(recording)?).for_each(|(is_kept, is_read)| *is_kept |= is_read);

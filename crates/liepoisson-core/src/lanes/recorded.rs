@@ -143,6 +143,72 @@ impl Trace {
     }
 }
 
+impl Recording {
+    /// Joins loops over the terms of one order, as far as a loop with all of their sums does with so many registers.
+    pub(crate) fn join_loops(&mut self, registers: usize) {
+        // the loop that others may join, as an operation; of each result where it is now
+        let (mut first, mut moved): (Option<usize>, HashMap<Value, (Value, usize)>) = (None, HashMap::new());
+        for at in 0..self.operations.len() {
+            match self.operations[at] {
+                Operation::Loop(number) => {
+                    let joined = first.and_then(|first: usize| {
+                        let Operation::Loop(of_first) = self.operations[first] else { return None };
+                        let joined = self.loops[of_first].joined(&self.loops[number], first as Value, registers)?;
+                        let n_sums = std::mem::replace(&mut self.loops[of_first], joined).sums.len();
+                        Some((first as Value, n_sums))
+                    });
+                    match joined {
+                        Some(joined) => drop(moved.insert(at as Value, joined)),
+                        None => first = Some(at),
+                    }
+                }
+                Operation::Result(of, number) => {
+                    if let Some(&(of, n_before)) = moved.get(&of) {
+                        self.operations[at] = Operation::Result(of, n_before + number);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+impl Loop {
+    /// This loop, which is the operation `at`, with the sums of a later one; none where that needs what is computed later, or more registers.
+    fn joined(&self, other: &Loop, at: Value, registers: usize) -> Option<Loop> {
+        let (Terms::OfOneOrder { products, step }, Terms::OfOneOrder { products: others, step: other_step }) =
+            (&self.terms, &other.terms)
+        else {
+            return None;
+        };
+        let is_earlier = other.sums.iter().chain(&other.left).chain(&other.right).all(|&value| value < at);
+        if !is_earlier || (step, self.count) != (other_step, other.count) {
+            return None;
+        }
+        let place = |values: &mut Vec<Value>, value: Value| {
+            values.iter().position(|&known| known == value).unwrap_or_else(|| {
+                values.push(value);
+                values.len() - 1
+            })
+        };
+        let (mut left, mut right, mut products) = (self.left.clone(), self.right.clone(), products.clone());
+        for &[sum, a, b] in others {
+            let [a, b] = [place(&mut left, other.left[a]), place(&mut right, other.right[b])];
+            products.push([self.sums.len() + sum, a, b]);
+        }
+        let sums = [&self.sums[..], &other.sums].concat();
+        // all sums, the right factors, and one left factor
+        let fits = sums.len() + right.len() < registers;
+        fits.then_some(Loop {
+            sums,
+            left,
+            right,
+            terms: Terms::OfOneOrder { products, step: *step },
+            count: self.count,
+        })
+    }
+}
+
 thread_local! {
     static TRACE: RefCell<Trace> = RefCell::default();
 }

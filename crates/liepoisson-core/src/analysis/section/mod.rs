@@ -51,6 +51,21 @@ pub struct Surface {
     pub sides: Vec<i8>,
 }
 
+impl Surface {
+    /// That of the first function, in both directions; if there is a guard, it is the second, and the others are kept.
+    pub fn of(functions: Functions, has_guard: bool) -> Surface {
+        let (function, others) = functions.split_first();
+        let (guard, kept) = match others {
+            Some(others) if has_guard => {
+                let (guard, kept) = others.split_first();
+                (Some(guard), kept)
+            }
+            others => (None, others),
+        };
+        Surface { function, kept, guard, direction: 0, n_crossings: None, sides: vec![] }
+    }
+}
+
 /// Where less is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertified {

@@ -95,15 +95,20 @@ struct Part {
 impl Part {
     fn new(all: &[[usize; 3]], start: usize, n_sums: usize) -> Part {
         let (mut right, mut products) = (vec![], Vec::<(usize, Vec<(usize, usize)>)>::new());
+        // which left series a sum has had last: its terms keep their order
+        let mut last = vec![0; n_sums];
         for &[sum, a, b] in all.iter().filter(|&&[sum, ..]| (start..start + n_sums).contains(&sum)) {
             let place = right.iter().position(|&other| other == b).unwrap_or_else(|| {
                 right.push(b);
                 right.len() - 1
             });
-            match products.last_mut() {
-                Some((last, with)) if *last == a => with.push((sum - start, place)),
-                _ => products.push((a, vec![(sum - start, place)])),
-            }
+            let known = products.iter().position(|&(left, _)| left == a);
+            let at = known.filter(|&at| at >= last[sum - start]).unwrap_or_else(|| {
+                products.push((a, vec![]));
+                products.len() - 1
+            });
+            products[at].1.push((sum - start, place));
+            last[sum - start] = at;
         }
         let needs_left = products.iter().any(|(_, with)| with.len() > 1);
         Part { start, n_sums, right, products, needs_left }
