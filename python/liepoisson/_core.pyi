@@ -103,7 +103,12 @@ class Field:
         quadratic: Sequence[tuple[int, int, int, float]],
     ) -> Field: ...
     @staticmethod
-    def tape(n_components: int, instructions: Sequence[Instruction], outputs: Sequence[int]) -> Field: ...
+    def tape(
+        n_components: int,
+        instructions: Sequence[Instruction],
+        outputs: Sequence[int],
+        size_limits: Sequence[float | None] = ...,
+    ) -> Field: ...
     @staticmethod
     def pieces(n_components: int, pieces: Sequence[Piece]) -> Field: ...
 

@@ -78,7 +78,7 @@ def crossings_of_samples(values, times, level):
 @pytest.mark.parametrize("surface", ["b - 1", "a", "b - a"])
 def test_crossings_of_a_double_pendulum_are_those_of_dense_sampling(surface):
     start, times = {"a": 2.5, "b": 2.0}, np.linspace(0, 60, 120_001)
-    orbit = lp.integrate(OPEN, start, times=times).state[0]
+    orbit = lp.integrate(CLOSED, start, times=times).state[0]
     values = {"b - 1": orbit[:, 1] - 1, "a": orbit[:, 0], "b - a": orbit[:, 1] - orbit[:, 0]}[surface]
     wanted, directions = crossings_of_samples(values, times, 0.0)
     run = lp.section(CLOSED, start, surface=surface, t_end=60)

@@ -161,6 +161,13 @@ pub enum Error {
         /// Outputs that came.
         got: usize,
     },
+    /// Limits of sizes that are not one for each component, or are negative, or all zero.
+    SizeLimits {
+        /// Limits wanted.
+        wanted: usize,
+        /// Limits that came.
+        got: Vec<f64>,
+    },
     /// An output that no instruction computes.
     OutputRegister {
         /// Component whose derivative it should be.
@@ -322,6 +329,11 @@ impl fmt::Display for Error {
             Error::Outputs { wanted, got } => {
                 write!(f, "outputs: wanted {wanted}, one register for each component; got {got}; name each derivative")
             }
+            Error::SizeLimits { wanted, got } => write!(
+                f,
+                "size_limits: wanted {wanted} numbers that are not negative, and one that is not zero; got {got:?}; \
+                 give infinity where there is no limit"
+            ),
             Error::OutputRegister { component, register, available } => write!(
                 f,
                 "output {component}: wanted a register below {available}; got {register}; \

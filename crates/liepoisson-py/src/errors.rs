@@ -43,6 +43,7 @@ pub(crate) fn translate(error: Error) -> PyErr {
         | Error::RationalSize
         | Error::MatrixColumns { .. }
         | Error::MatrixColumn { .. }
+        | Error::SizeLimits { .. }
         | Error::SimdNotAvailable { .. } => "ParameterError",
     };
     exception(class, &error.to_string())

@@ -79,8 +79,17 @@ impl Field {
 
     /// Any smooth field, by the instructions that compute it.
     #[staticmethod]
-    fn tape(n_components: usize, instructions: Vec<InstructionParts>, outputs: Vec<usize>) -> PyResult<Field> {
-        let tape = guarded(|| Tape::new(n_components, read_instructions(&instructions)?, outputs))?;
+    #[pyo3(signature = (n_components, instructions, outputs, size_limits = vec![]))]
+    fn tape(
+        n_components: usize,
+        instructions: Vec<InstructionParts>,
+        outputs: Vec<usize>,
+        size_limits: Vec<Option<f64>>,
+    ) -> PyResult<Field> {
+        let size_limits = size_limits.into_iter().map(|limit| limit.unwrap_or(f64::INFINITY)).collect();
+        let tape = guarded(|| {
+            Tape::new(n_components, read_instructions(&instructions)?, outputs)?.with_size_limits(size_limits)
+        })?;
         Ok(Field(AnyField::Tape(tape)))
     }
 

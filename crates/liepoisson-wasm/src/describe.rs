@@ -23,7 +23,11 @@ pub(crate) fn read_field(text: &[u8]) -> Result<AnyField, Refusal> {
         }
         "tape" => {
             let (instructions, outputs) = record.lines()?;
-            Ok(AnyField::Tape(Tape::new(record.n_components()?, instructions, outputs)?))
+            let tape = Tape::new(record.n_components()?, instructions, outputs)?;
+            Ok(AnyField::Tape(match record.optional("size_limits") {
+                Some(limits) => tape.with_size_limits(limits.each(Part::limit)?)?,
+                None => tape,
+            }))
         }
         "pieces" => {
             let ridges = record.get("pieces")?.each(|piece| {
@@ -144,6 +148,11 @@ impl<'v> Part<'v> {
             Value::Record(entries) => Ok(Record { what: self.name, entries: Cow::Borrowed(entries) }),
             _ => Err(self.wrong("a record { ... }")),
         }
+    }
+
+    /// A number, infinity for null.
+    fn limit(self) -> Result<f64, Refusal> {
+        if *self.value == Value::Null { Ok(f64::INFINITY) } else { self.number() }
     }
 
     fn number(self) -> Result<f64, Refusal> {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Self, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
@@ -125,6 +125,9 @@ class TapeField(PlainField):
         n_components: Dimension of the state.
         instructions: (name, registers, numbers), in the order of execution.
         outputs: The register of each component of the time derivative.
+        size_limits: The largest size with which each component counts in the size of the state that tolerances are
+            relative to, None without limit: a turn of an angle; 0 for time and its momentum, which are the last
+            components and in whose units the others are not. Empty: all count as they are.
     """
 
     kind: ClassVar[str] = "tape"
@@ -132,10 +135,13 @@ class TapeField(PlainField):
     n_components: int
     instructions: tuple[Instruction, ...]
     outputs: tuple[int, ...]
+    size_limits: tuple[float | None, ...] = ()
 
     def __post_init__(self) -> None:
         """Checks names, registers and numbers."""
         _check_lines(self)
+        limits = tuple(_items(self.size_limits, "size_limits"))
+        object.__setattr__(self, "size_limits", tuple(x if x is None else _number(x, "size_limits") for x in limits))
 
 
 @dataclass(frozen=True)
@@ -202,6 +208,28 @@ class PiecesField(PlainField):
 Field: TypeAlias = TopField | QuadraticField | TapeField | PiecesField
 
 
+def with_size_limits(field: Field, limits: tuple[float | None, ...]) -> Field:
+    """The field with limits of the sizes of its components, if there are any; one of degree two as a tape."""
+    if not limits:
+        return field
+    if isinstance(field, QuadraticField):
+        field = _as_tape(field)
+    return replace(field, size_limits=limits) if isinstance(field, TapeField) else field
+
+
+def _as_tape(field: QuadraticField) -> TapeField:
+    n, pairs = field.n_components, sorted({(j, k) for _, j, k, _ in field.quadratic})
+    products: list[Instruction] = [("product", pair, ()) for pair in pairs]
+    sums: list[Instruction] = []
+    for component in range(n):
+        terms = [(j, c) for i, j, c in field.linear if i == component]
+        terms += [(n + pairs.index((j, k)), c) for i, j, k, c in field.quadratic if i == component]
+        constant = sum(c for i, c in field.constant if i == component)
+        sums.append(("linear", tuple(j for j, _ in terms), (*(c for _, c in terms), float(constant))))
+    first = n + len(products)
+    return TapeField(n, (*products, *sums), tuple(range(first, first + n)))
+
+
 def record_of(field: Field) -> dict[str, Any]:
     """The field as plain data that JSON can write, with its kind."""
     return {"kind": field.kind, **asdict(field)}
@@ -220,7 +248,8 @@ def field_of(record: Mapping[str, Any]) -> Field:
     if kind == "quadratic":
         return QuadraticField(*(record[name] for name in ("n_components", "constant", "linear", "quadratic")))
     if kind == "tape":
-        return TapeField(*(record[name] for name in ("n_components", "instructions", "outputs")))
+        lines = (record[name] for name in ("n_components", "instructions", "outputs"))
+        return TapeField(*lines, size_limits=record.get("size_limits", ()))
     if kind == "pieces":
         return PiecesField(record["n_components"], record["pieces"])
     raise ValueError(f"kind of field: wanted top, quadratic, tape or pieces; got {kind!r:.60}")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache
+from math import pi
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from liepoisson.algebra.exact_numbers import Coefficient, Exact, substituted, symbols_of, to_sympy
@@ -18,6 +19,7 @@ from liepoisson.compile.typed import Names, read_system
 from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError
 from liepoisson.formula.parameters import Kept, Value, exact_value, flattened
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.names import MOMENTUM_OF_TIME
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import shown
 from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression
@@ -124,6 +126,11 @@ class EquationsOfMotion:
         r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle."""
         raise NotImplementedError
 
+    @property
+    def _names_of_angles(self) -> tuple[str, ...]:
+        """The coordinates that are angles."""
+        raise NotImplementedError
+
     def _check_on_circles(self, functions: Mapping[str, Expr], hint: str) -> None:
         """Refuse functions that are not periodic in the coordinates on circles; by what they are in messages."""
         if self.periods:
@@ -161,6 +168,17 @@ class EquationsOfMotion:
     def _polynomials(self) -> PolynomialEquations | None:
         """The equations, if they are rational polynomials that were read without SymPy."""
         raise NotImplementedError
+
+    @property
+    def size_limits(self) -> tuple[float | None, ...]:
+        """The largest size with which each component counts where tolerances are relative to the size of a state.
+
+        A turn of an angle, 0 for time and its momentum, None without limit; empty if there is no limit at all.
+        """
+        limits = dict.fromkeys(self._names_of_angles, 2 * pi)
+        if self.clock is not None:
+            limits |= {self.clock: 0.0, MOMENTUM_OF_TIME: 0.0}
+        return tuple(limits.get(name) for name in self.component_names) if limits else ()
 
     def field(self) -> Field:
         """The vector field as plain data for the numeric core."""

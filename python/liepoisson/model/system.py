@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import Coefficient, symbols_of
-from liepoisson.compile.field import Field, PiecesField, field_of
+from liepoisson.compile.field import Field, PiecesField, field_of, with_size_limits
 from liepoisson.compile.typed import Names, names_of, read_system
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
@@ -185,6 +185,10 @@ class System(EquationsOfMotion):
         return self.bracket.periods
 
     @property
+    def _names_of_angles(self) -> tuple[str, ...]:
+        return self.bracket.angles
+
+    @property
     def clock(self) -> str | None:
         """Name of the coordinate that is time, if the Hamiltonian depends on it: t."""
         return self.bracket.clock
@@ -342,7 +346,8 @@ class System(EquationsOfMotion):
             ParameterError: a parameter is symbolic.
         """
         top = self.top_parameters
-        return self._general_field if top is None or not self._is_held_by(top) else top.field()
+        field = self._general_field if top is None or not self._is_held_by(top) else top.field()
+        return with_size_limits(field, self.size_limits)
 
     def _is_held_by(self, top: TopParameters) -> bool:
         """Whether the plain data of this top, whose moments are doubles, are the equations that were given."""

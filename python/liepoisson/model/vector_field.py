@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import symbols_of
 from liepoisson.algebra.rational_polynomials import Expanded, RationalPolynomial, TooLargeError
-from liepoisson.compile.field import Field, QuadraticField, TapeField
+from liepoisson.compile.field import Field, QuadraticField, TapeField, with_size_limits
 from liepoisson.compile.typed import Names, read_system
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.facades import function_of
@@ -146,6 +146,10 @@ class VectorField(EquationsOfMotion):
 
         return tuple(Symbol(name) for name in self.component_names)
 
+    @property
+    def _names_of_angles(self) -> tuple[str, ...]:
+        return self.angles
+
     @cached_property
     def periods(self) -> dict[str, Expr]:
         r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle."""
@@ -231,7 +235,7 @@ class VectorField(EquationsOfMotion):
             UnsupportedFieldError: a right-hand side contains a function that is not smooth.
             ParameterError: a parameter is symbolic.
         """
-        return self._field
+        return with_size_limits(self._field, self.size_limits)
 
     @cached_property
     def _field(self) -> Field:

@@ -49,7 +49,7 @@ def core_field(field: Field) -> _core.Field:
         return _core.Field.quadratic(field.n_components, field.constant, field.linear, field.quadratic)
     if isinstance(field, PiecesField):
         return _core.Field.pieces(field.n_components, field.pieces)
-    return _core.Field.tape(field.n_components, field.instructions, field.outputs)
+    return _core.Field.tape(field.n_components, field.instructions, field.outputs, field.size_limits)
 
 
 def core_fields(fields: Sequence[TopField] | Sequence[QuadraticField]) -> _core.Field:

@@ -80,6 +80,14 @@ pub trait Field: Space {
     /// Registers that one group (the state, or one tangent vector) takes in a row: components and work quantities.
     fn group(&self) -> usize;
 
+    /// The largest size with which each component of the state counts in the size of the state that tolerances are relative to: a
+    /// turn of an angle, which is a point of a circle however large it has become. The last components may have zero, as time and its
+    /// momentum have, in whose units the others are not: they count nowhere, and their errors do not either. Empty: all count as they
+    /// are.
+    fn size_limits(&self) -> &[f64] {
+        &[]
+    }
+
     /// Registers in a row with `n_tangents` tangent vectors.
     fn row(&self, n_tangents: usize) -> usize {
         self.group() * (1 + n_tangents)
@@ -192,6 +200,10 @@ impl<F: Field> Field for &F {
 
     fn group(&self) -> usize {
         (**self).group()
+    }
+
+    fn size_limits(&self) -> &[f64] {
+        (**self).size_limits()
     }
 
     fn registers(&self, n_tangents: usize, order: usize) -> usize {

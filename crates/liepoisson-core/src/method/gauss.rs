@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Body, Lane, Wide};
 use crate::method::gauss_legendre::{COLLOCATIONS, Collocation};
-use crate::method::taylor::sum_of_sizes;
+use crate::method::taylor::{n_measured, size_of_state, sum_of_sizes};
 use crate::method::variational::{Sum, Update, Variational, copy_lane, in_chunks, spread};
 use crate::method::{AnyMethod, Block, Method, Options, Precision, Series, StepOutcome, Stepping};
 
@@ -173,11 +173,14 @@ impl<F: Field, V: Lane> GaussBlock<'_, F, V> {
         for (i, terms) in self.collocation.stages.iter().enumerate() {
             self.system.rates_beside(step, terms, &self.rates, &mut self.one);
             let rates = &mut self.rates[i * row..(i + 1) * row];
-            for group in self.system.groups() {
-                let size = sum_of_sizes(&self.system.state[group.clone()]);
-                let mut change = V::splat(0.0);
-                for (old, new) in rates[group.clone()].iter_mut().zip(&self.one[group]) {
-                    change = change.add(new.sub(*old).abs());
+            for (g, group) in self.system.groups().enumerate() {
+                let limits = self.system.size_limits(g);
+                let size = size_of_state(limits, &self.system.state[group.clone()]);
+                let (mut change, n) = (V::splat(0.0), n_measured(limits, group.len()));
+                for (i, (old, new)) in rates[group.clone()].iter_mut().zip(&self.one[group]).enumerate() {
+                    if i < n {
+                        change = change.add(new.sub(*old).abs());
+                    }
                     *old = *new;
                 }
                 // a tangent vector that is zero changes by zero

@@ -9,7 +9,7 @@ use crate::field::{Field, SinglePrecision, Straight};
 use crate::lanes::{Body, Lane, Number, Wide};
 use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
-use crate::method::taylor::sum_of_sizes;
+use crate::method::taylor::{n_measured, size_of_state, sum_of_sizes};
 use crate::method::variational::{Chunk, Sum, Variational, in_chunks, spread};
 use crate::method::{AnyMethod, Block, Method, Options, Precision, Series, Single, StepOutcome, Stepping};
 
@@ -263,15 +263,17 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     #[inline(always)]
     fn estimate(&mut self) {
         let row = self.system.row();
-        for (group, estimate) in self.system.groups().zip(&mut self.estimates) {
+        for (g, (group, estimate)) in self.system.groups().zip(&mut self.estimates).enumerate() {
+            let limits = self.system.size_limits(g);
             let known = &self.rates[group.start..];
             let mut error_sizes = ErrorSizes {
                 of_order_5: Sum { terms: ERROR_OF_ORDER_5, known, row },
                 of_order_3: Sum { terms: ERROR_OF_ORDER_3, known, row },
                 sums: [V::splat(0.0); 2],
             };
-            in_chunks::<V>(group.len(), &mut error_sizes);
-            let size = sum_of_sizes(&self.system.start[group.clone()]).add(sum_of_sizes(&self.system.state[group]));
+            in_chunks::<V>(n_measured(limits, group.len()), &mut error_sizes);
+            let before = size_of_state(limits, &self.system.start[group.clone()]);
+            let size = before.add(size_of_state(limits, &self.system.state[group]));
             let [e5, e3] = error_sizes.sums;
             let (ratio, twice) = (e3.div(e5), V::splat(2.0));
             let root = ratio.mul(ratio).mul_add(V::splat(0.01), V::splat(1.0)).sqrt();
@@ -315,9 +317,10 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     #[inline(always)]
     fn first_step(&self, lane: usize) -> f64 {
         let (mut shortest, mut defect) = (f64::INFINITY, 0.0);
-        for group in self.system.groups() {
-            let size = sum_of_sizes(&self.system.state[group.clone()]).get(lane);
-            let rate = sum_of_sizes(&self.rates[group]).get(lane);
+        for (g, group) in self.system.groups().enumerate() {
+            let limits = self.system.size_limits(g);
+            let size = size_of_state(limits, &self.system.state[group.clone()]).get(lane);
+            let rate = sum_of_sizes(&self.rates[group][..n_measured(limits, self.system.n_components())]).get(lane);
             let ratio = if rate > 0.0 { (size / rate).max(1e-6) } else { f64::INFINITY };
             shortest = shortest.min(ratio);
             defect += (size + rate) * 0.0;

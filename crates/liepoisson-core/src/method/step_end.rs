@@ -20,7 +20,7 @@
 
 use crate::field::{Field, Space, Straight, Tape, Terms};
 use crate::lanes::{Body, Lane, Pair, ROUNDINGS, Wide};
-use crate::method::taylor::sum_of_sizes;
+use crate::method::taylor::{n_measured, size_of_state};
 
 /// Passes over the nodes of one step at most; each at least halves it, or is the last one.
 const MOST_PASSES: usize = 40;
@@ -321,10 +321,10 @@ fn look<V: Lane>(field: &Tape, rows: &[V], (row, order): (usize, usize), step: V
     }
     field.rates(x, 0, work, rates);
     sums[0] = V::splat(0.0);
-    for i in 0..n {
+    for i in 0..n_measured(field.size_limits(), n) {
         sums[0] = sums[0].add(slope[i].sub(rates[i]).mul(step).abs());
     }
-    sums[1] = sum_of_sizes(&rows[..n]);
+    sums[1] = size_of_state(field.size_limits(), &rows[..n]);
 }
 
 /// The values of some components and their slopes after the step, by Horner's rule; as many as were computed.

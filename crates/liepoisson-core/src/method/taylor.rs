@@ -145,7 +145,8 @@ impl<F: Instance, V: Wide> Block for TaylorBlock<F, V> {
     fn prepare(&mut self, ahead: &[f64], longest: &mut [f64]) {
         V::outline(Expansion(self));
         let sizes = TermSizes::of(self);
-        self.has_sizes = self.rows.len() >= sizes.end() && self.field.run_compiled(&sizes, &mut self.rows);
+        self.has_sizes = self.rows.len() >= sizes.end()
+            && self.field.run_compiled(&SizesOfTerms(sizes, self.field.size_limits()), &mut self.rows);
         let mut is_out_of_range = false;
         V::outline(Steps { block: self, ahead, sizes: longest, is_out_of_range: &mut is_out_of_range });
         if is_out_of_range {
@@ -225,17 +226,19 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
         }
     }
 
-    /// Sum of the absolute values of the components of `group`, in coefficient `k`; not finite if one of them is not.
+    /// Size of `group` in coefficient `k`: [`size_of_term`].
     #[inline(always)]
     fn norm(&self, k: usize, group: usize) -> V {
         let at = k * self.row + group * self.field.group();
-        sum_of_sizes(&self.rows[at..at + self.field.n_components()])
+        let place = (self.field.size_limits(), k, group);
+        size_of_term(place, &self.rows[at..at + self.field.n_components()])
     }
 
     /// The same of one lane.
     pub(super) fn norm_in(&self, lane: usize, k: usize, group: usize) -> f64 {
         let at = k * self.row + group * self.field.group();
-        self.rows[at..at + self.field.n_components()].iter().map(|register| register.get(lane).abs()).sum()
+        let term = self.rows[at..at + self.field.n_components()].iter().map(|register| register.get(lane));
+        size_of_term((self.field.size_limits(), k, group), &term.collect::<Vec<f64>>())
     }
 
     /// Cuts the series of one lane where it is no longer finite, and shortens its step where the last terms are lost.
@@ -243,7 +246,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
     fn rely_on_known_terms(&mut self, lane: usize, longest: &mut f64) {
         let order = self.method.order;
         let groups = 0..=self.n_tangents;
-        if groups.clone().all(|group| self.norm_in(lane, 1, group) == 0.0) {
+        if self.rows[self.row..2 * self.row].iter().all(|register| register.get(lane) == 0.0) {
             return; // an equilibrium or an empty slot: all terms vanish
         }
         let finite = match longest.is_nan() {
@@ -299,6 +302,50 @@ pub(super) fn sum_of_sizes<V: Lane>(components: &[V]) -> V {
     let mut sum = components[0].abs();
     for component in &components[1..] {
         sum = sum.add(component.abs());
+    }
+    sum
+}
+
+/// How many components count, all but the last ones whose limit is zero: see [`Field::size_limits`].
+pub(super) fn n_measured(limits: &[f64], n: usize) -> usize {
+    n - limits.iter().rev().take_while(|&&limit| limit == 0.0).count()
+}
+
+/// The size of a state that tolerances are relative to: the sum of the absolute values of its components, each at most its limit; not
+/// finite if one of them is not.
+#[inline(always)]
+pub(super) fn size_of_state<V: Lane>(limits: &[f64], state: &[V]) -> V {
+    if limits.is_empty() {
+        return sum_of_sizes(state);
+    }
+    let n = n_measured(limits, state.len());
+    let mut sum = V::splat(0.0);
+    for (component, &limit) in state[..n].iter().zip(limits) {
+        let (size, most) = (component.abs(), V::splat(limit));
+        // the smaller of both, without a comparison; NaN of what is not finite
+        let least = if limit == f64::INFINITY { size } else { size.add(most).sub(size.sub(most).abs()).mul(V::splat(0.5)) };
+        sum = sum.add(least);
+    }
+    with_defects(sum, &state[n..])
+}
+
+/// The size of the coefficient `k` of a group: of the state itself [`size_of_state`], of its other coefficients the sum of the absolute
+/// values of the components that count, of tangent vectors of all; not finite if one of them is not.
+#[inline(always)]
+fn size_of_term<V: Lane>((limits, k, group): (&[f64], usize, usize), term: &[V]) -> V {
+    let n = n_measured(limits, term.len());
+    match (k, group) {
+        (0, 0) => size_of_state(limits, term),
+        (_, 0) => with_defects(sum_of_sizes(&term[..n]), &term[n..]),
+        _ => sum_of_sizes(term),
+    }
+}
+
+/// The sum, NaN where one of the components that do not count is not finite.
+#[inline(always)]
+fn with_defects<V: Lane>(mut sum: V, uncounted: &[V]) -> V {
+    for component in uncounted {
+        sum = component.abs().mul_add(V::splat(0.0), sum);
     }
     sum
 }
@@ -492,9 +539,12 @@ impl TermSizes {
     }
 }
 
-impl Straight for TermSizes {
+/// The computation of these sizes, beside the limits of components.
+struct SizesOfTerms<'a>(TermSizes, &'a [f64]);
+
+impl Straight for SizesOfTerms<'_> {
     fn key(&self) -> u64 {
-        6 << 32 | (self.row as u64) << 8 | self.order as u64
+        6 << 32 | (self.0.row as u64) << 8 | self.0.order as u64
     }
 
     fn n_rates(&self) -> usize {
@@ -503,10 +553,11 @@ impl Straight for TermSizes {
 
     #[inline(always)]
     fn run<V: Lane>(&self, memory: &mut [V]) {
-        for group in 0..self.row / self.group {
-            for k in std::iter::once(0).chain(self.lowest()..=self.order) {
-                let at = k * self.row + group * self.group;
-                memory[self.at(k, group)] = sum_of_sizes(&memory[at..at + self.n_components]);
+        let SizesOfTerms(place, limits) = self;
+        for group in 0..place.row / place.group {
+            for k in std::iter::once(0).chain(place.lowest()..=place.order) {
+                let at = k * place.row + group * place.group;
+                memory[place.at(k, group)] = size_of_term((limits, k, group), &memory[at..at + place.n_components]);
             }
         }
     }
@@ -529,7 +580,7 @@ impl Straight for Sum {
 
     #[inline(always)]
     fn run<V: Lane>(&self, memory: &mut [V]) {
-        let TermSizes { n_registers, n_components, group, row, order } = self.place;
+        let TermSizes { n_registers, n_components, group, row, order, .. } = self.place;
         let step = memory[n_registers];
         for first in (self.first_group * group..row).step_by(group) {
             for i in first..first + n_components {

@@ -108,6 +108,12 @@ impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
         (0..=self.n_tangents).map(move |group| group * n..(group + 1) * n)
     }
 
+    /// [`Field::size_limits`] of the state, group 0; none of tangent vectors.
+    #[inline(always)]
+    pub(super) fn size_limits(&self, group: usize) -> &[f64] {
+        if group == 0 { self.field.size_limits() } else { &[] }
+    }
+
     pub(super) fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
         let at = group * self.n_components();
         for (register, &value) in self.state[at..].iter_mut().zip(values) {

@@ -69,6 +69,7 @@ pub struct Tape {
     degree: f64,
     /// How many exponentials are multiplied at most.
     n_exponentials: f64,
+    size_limits: Vec<f64>,
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     compiled: std::sync::Arc<compiled::Compiled>,
 }
@@ -92,9 +93,23 @@ impl Tape {
             program: Program::new(&graph),
             degree: graph.degree(1.0, 0.0),
             n_exponentials: graph.degree(0.0, 1.0),
+            size_limits: vec![],
             #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
             compiled: std::sync::Arc::default(),
         })
+    }
+
+    /// The same tape with [`Field::size_limits`].
+    ///
+    /// # Errors
+    /// Not one limit, which is not negative, for each component; or none but zero.
+    pub fn with_size_limits(mut self, limits: Vec<f64>) -> Result<Tape, Error> {
+        let is_one_for_each = limits.len() == self.n_components && limits.iter().all(|&limit| limit >= 0.0);
+        if !limits.is_empty() && (!is_one_for_each || limits.iter().all(|&limit| limit == 0.0)) {
+            return Err(Error::SizeLimits { wanted: self.n_components, got: limits });
+        }
+        self.size_limits = limits;
+        Ok(self)
     }
 
     /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
@@ -197,6 +212,10 @@ impl Bounds for Tape {
 impl Field for Tape {
     fn group(&self) -> usize {
         self.n_components
+    }
+
+    fn size_limits(&self) -> &[f64] {
+        &self.size_limits
     }
 
     fn registers(&self, n_tangents: usize, order: usize) -> usize {
