@@ -1,0 +1,143 @@
+"""The largest Lyapunov exponent along trajectories with noise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from liepoisson import _core
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
+from liepoisson.indicators.estimates import Estimate
+from liepoisson.indicators.mean_error import mean_error, mean_interval
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.io.result import labelled
+from liepoisson.noise.noise import Noise, Noises, NoisyRun
+from liepoisson.numeric.method.splitting import Splitting
+from liepoisson.numeric.run import outcome_names, trajectories, typical
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.sampling import sample_tangents
+from liepoisson.numeric.starts import StartsLike
+from liepoisson.numeric.systems import HasBracket
+
+_RATE = "inverse time, dimensionless"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NoisyExponents(NoisyRun):
+    """Largest Lyapunov exponents along trajectories with noise.
+
+    Attributes:
+        noises: The noise Hamiltonians.
+        inverse_temperature: That of the law of Gibbs to which the damping leads, or 0.
+        seed: Seed of the paths and of the tangent vectors.
+        t_end: Averaging time.
+        n_blocks: Blocks of time.
+        rates: Growth rate of the tangent vector in each block, shape (trajectory, block).
+        exponent: Mean growth rate, shape (trajectory,).
+        error: Its standard error, from the blocks (`mean_error`), shape (trajectory,).
+    """
+
+    kind = "noisy exponents"
+    made_by = "noisy_exponents"
+
+    t_end: float
+    n_blocks: int
+    rates: Array = labelled("trajectory", "block", long_name="growth rate in each block", units=_RATE)
+    exponent: Array = labelled("trajectory", long_name="mean growth rate", units=_RATE)
+    error: Array = labelled("trajectory", long_name="its standard error over time", units=_RATE)
+    end_state: Array = labelled("trajectory", "component", long_name="last good state")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `noisy_exponents` was called with."""
+        return super().arguments() | {"t_end": self.t_end, "n_blocks": self.n_blocks}
+
+    @property
+    def mean(self) -> Estimate:
+        """Mean over the trajectories that finished, with its error from their spread: their paths are independent."""
+        return mean_interval(self.exponent[np.isfinite(self.exponent)])
+
+    def __repr__(self) -> str:
+        value = typical("exponent", self.exponent)
+        return f"<NoisyExponents of {self.system.name}: {trajectories(self.outcome)}, {value} over t = {self.t_end:g}>"
+
+
+@shows_progress
+def noisy_exponents(
+    system: HasBracket,
+    starts: StartsLike,
+    *,
+    noises: Noises,
+    t_end: float,
+    method: Splitting,
+    n_blocks: int = 100,
+    inverse_temperature: float = 0.0,
+    seed: int = 0,
+    first: int = 0,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> NoisyExponents:
+    r"""Largest Lyapunov exponent along each trajectory of a system with noise, with its error.
+
+    $\lambda = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector, which is advanced by the derivative of the map that
+    each step is on its path: two trajectories on the same path, infinitely close.  The tangent vector is drawn
+    uniformly, so that it has components across the leaf, too.  The first blocks, in which it turns into the direction
+    of growth, are in the mean: a bias of the order of 1/t.
+
+    Example:
+        >>> top, starts = lp.catalog.euler_top_on("so(3)", [1, 2, 3]), np.tile([1.0, 0, 0], (50, 1))
+        >>> found = lp.stochastic.noisy_exponents(
+        ...     top, starts, noises=["l1", "l2", "l3"], inverse_temperature=4, t_end=100, method=lp.Splitting(step=0.02)
+        ... )
+        >>> found.rates.shape
+        (50, 100)
+
+    Args:
+        noises: The noise Hamiltonians, as for `noisy_orbits`.
+        t_end: Averaging time, positive.
+        method: `Splitting`, whose `step` is the largest one.
+        n_blocks: Blocks of time, at least 4, from whose growth rates the error is estimated.
+        inverse_temperature: That of the damping, as for `noisy_orbits`.
+        seed: Draws the paths and the tangent vectors.
+
+    Returns:
+        NoisyExponents; a trajectory that fails is an outcome in it.
+
+    Raises:
+        ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`.
+        KeyboardInterrupt: Ctrl-C.
+
+    References:
+        Arnold, Random Dynamical Systems (1998).
+    """
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    noise = Noise.read(system, starts, noises, inverse_temperature, options)
+    end, count = as_time(t_end, "t_end", example=100), as_count(n_blocks, "n_blocks", least=4, most=2**26)
+    states, n = noise.start, noise.start.shape[1]
+    times = np.linspace(0.0, end, count + 1)
+    raw = _core.growth(
+        noise.core(),
+        options.method.core(),
+        states.ravel(),
+        sample_tangents(n, len(states), seed=options.seed, first=noise.first).ravel(),
+        times,
+        options.threads,
+        options.left,
+        progress,
+    )
+    logs = raw["exponent"].reshape(len(states), count) * times[1:]
+    rates = np.diff(logs, axis=1, prepend=0.0) / np.diff(times)
+    return NoisyExponents(
+        **noise.given(),
+        t_end=end,
+        n_blocks=count,
+        rates=rates,
+        exponent=logs[:, -1] / end,
+        error=mean_error(rates),
+        outcome=outcome_names(raw["outcome"]),
+        end_state=raw["final_state"].reshape(len(states), n),
+    )
