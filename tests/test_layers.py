@@ -35,7 +35,7 @@ LAYERS = (
     {"numeric"},
     {"leaf"},
     {"indicators", "poincare"},
-    {"equilibrium", "rigid_body"},
+    {"equilibrium", "noise", "rigid_body"},
     {"integrability", "orbits"},
     {"tori"},
     {"proofs"},
@@ -45,7 +45,7 @@ LAYERS = (
     {"laboratory"},
     {
         "", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits",
-        "methods", "phase_space", "results", "sections", "systems",
+        "methods", "phase_space", "results", "sections", "stochastic", "systems",
     },
     {"studies"},
     {"cli"},

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson import _core
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_time
 from liepoisson.indicators.estimates import Estimate
@@ -25,9 +24,6 @@ from liepoisson.numeric.run import outcome_names, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike
 from liepoisson.numeric.systems import HasBracket
-
-_NUMBERS = 2**22
-"""Numbers of the states that are in memory at once."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -143,49 +139,33 @@ def first_passages(
     noise = Noise.read(system, starts, noises, inverse_temperature, options)
     function: Any = noise.system.functions.of(surface)
     end = as_time(t_end, "t_end", example=100)
-    states, n = noise.start, noise.start.shape[1]
+    states = noise.start
     side = np.sign(np.asarray(function(states)))
     if (side[np.isfinite(states).all(axis=1)] == 0).any():
-        raise ParameterError("surface: wanted a function that is not zero at the starts; got a start on it; move it off")
-    n_steps = max(1, math.ceil(end / options.method.step * (1.0 - 1e-12)))  # pyright: ignore[reportAttributeAccessIssue]
-    per_part = max(2, _NUMBERS // max(1, states.size) // 2 * 2)
-    time, coarse = np.full(len(states), np.nan), np.full(len(states), np.nan)
-    outcome, last, present = np.full(len(states), "finished", dtype="U15"), states.copy(), states
-    for before in range(0, n_steps, per_part):
-        places = np.arange(before, min(before + per_part, n_steps) + 1)
-        at = places * (end / n_steps)
-        going = (outcome == "finished") & np.isnan(coarse)
-        if not going.any():
-            break
-        share = len(places) / (n_steps + 1)
-        raw = _core.orbits(
-            noise.core(n_before=before),
-            options.method.core(),
-            present.ravel(),
-            np.empty(0),
-            0,
-            at,
-            options.threads,
-            options.left,
-            False,
-            False,
-            options.part(before / n_steps, share).progress,
+        raise ParameterError(
+            "surface: wanted a function that is not zero at the starts; got a start on it; move it off"
         )
-        seen = raw["state"].reshape(len(states), len(at), n)[:, 1:]
+    n_steps = noise.n_steps_in(end)
+    time, coarse = np.full(len(states), np.nan), np.full(len(states), np.nan)
+    outcome, last = np.full(len(states), "finished", dtype="U15"), states.copy()
+    for before, at, raw in noise.in_parts(states, 0.0, end / n_steps, n_steps):
+        seen = raw["state"][:, 1:]
         with np.errstate(all="ignore"):
             beyond = np.asarray(function(seen)) * side[:, None] <= 0
+        was_going = outcome == "finished"
         for found, every in ((time, 1), (coarse, 2)):
-            looked = beyond & (places[1:] % every == 0)
-            new = looked.any(axis=1) & np.isnan(found) & (outcome == "finished")
+            looked = beyond & (np.arange(before + 1, before + 1 + len(at)) % every == 0)
+            new = looked.any(axis=1) & np.isnan(found) & was_going
             where = looked.argmax(axis=1)
-            found[new] = at[1:][where[new]]
+            found[new] = at[where[new]]
             if every == 1:
                 last[new] = seen[new, where[new]]
-        present = raw["final_state"].reshape(len(states), n)
-        failed = (outcome_names(raw["outcome"]) != "finished") & (outcome == "finished")
-        outcome[failed & np.isnan(time)] = outcome_names(raw["outcome"])[failed & np.isnan(time)]
         still = np.isnan(time)
-        last[still] = present[still]
+        last[still] = raw["final_state"][still]
+        ended = outcome_names(raw["outcome"])
+        outcome[still & was_going] = ended[still & was_going]
+        if not (np.isnan(coarse) & (ended == "finished")).any():
+            break
     return FirstPassages(
         **noise.given(),
         surface=str(surface),

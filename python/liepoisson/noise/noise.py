@@ -7,7 +7,8 @@ stays on its leaf.  A method of splitting needs the flow of each $H_k$: it has t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self, TypeAlias
 
@@ -31,6 +32,8 @@ from liepoisson.streams import Purpose, seeds
 
 Noises: TypeAlias = "str | Sequence[Any]"
 """One noise Hamiltonian, or several: texts, SymPy expressions, functions on phase space."""
+_NUMBERS = 2**22
+"""Numbers of the states that are in memory at once: 32 MiB."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,12 +102,77 @@ class Noise:
         first = as_first(options.first, len(states))
         return cls(texts, pieces, energy, beta, options, system, states, first)
 
-    def core(self, *, n_before: int = 0, n_increments: int = 1) -> _core.Field:
-        """The field that the core integrates, after so many steps."""
+    def orbits(
+        self,
+        times: Array,
+        *,
+        start: Array | None = None,
+        tangents: Array | None = None,
+        n_before: int = 0,
+        n_increments: int = 1,
+        done: float = 0.0,
+        share: float = 1.0,
+    ) -> Any:
+        """Trajectories at times, or a part of them: what `_core.orbits` returns, the states in their shapes.
+
+        Args:
+            times: The times; the first is that of the starts.
+            start: States after `n_before` steps, by default those of the beginning, shape (trajectory, component).
+            tangents: A tangent vector of each, shape (trajectory, component).
+            n_before: Steps that were taken before.
+            n_increments: Increments of the path in each step.
+            done: Fraction of the run that is done before.
+            share: That of this part.
+        """
         key = seeds(self.options.seed, Purpose.NOISE).generate_state(2, np.uint32).tolist()
-        return core_field(self.options.field(self.system)).with_noise(
+        field = core_field(self.options.field(self.system)).with_noise(
             self.pieces, self.energy, self.inverse_temperature, key, self.first, n_before, n_increments
         )
+        states = self.start if start is None else start
+        raw: Any = _core.orbits(
+            field,
+            self.options.method.core(),
+            np.ascontiguousarray(states).ravel(),
+            np.empty(0) if tangents is None else tangents.ravel(),
+            0 if tangents is None else 1,
+            times,
+            self.options.threads,
+            self.options.left,
+            False,
+            False,
+            self.options.part(done, share).progress,
+        )
+        in_shape = {"state": (len(states), len(times), -1), "final_state": states.shape}
+        return raw | {name: raw[name].reshape(shape) for name, shape in in_shape.items()}
+
+    def n_steps_in(self, interval: float) -> int:
+        """Equal steps that the core takes in an interval of time."""
+        method: Any = self.options.method
+        return max(1, math.ceil(interval / method.step * (1.0 - 1e-12)))
+
+    def in_parts(
+        self, start: Array, begin: float, interval: float, count: int, *, n_before: int = 0
+    ) -> Iterator[tuple[int, Array, Any]]:
+        """States after each of many equal intervals of time, as many at once as fit into memory.
+
+        Args:
+            start: States at the time `begin`, after `n_before` steps.
+            begin: When they are.
+            interval: The interval.
+            count: How many.
+            n_before: The steps.
+
+        Returns:
+            Of each part the number of its first interval, the times (time,) at the ends of its intervals, and what
+            `orbits` returns.
+        """
+        per_part = max(1, _NUMBERS // max(1, start.size))
+        for first in range(0, count, per_part):
+            at = begin + interval * np.arange(first, min(first + per_part, count) + 1)
+            steps = n_before + first * self.n_steps_in(interval)
+            raw = self.orbits(at, start=start, n_before=steps, done=first / count, share=(len(at) - 1) / count)
+            start = raw["final_state"]
+            yield first, at[1:], raw
 
     def given(self) -> dict[str, Any]:
         """The first fields of a `NoisyRun`."""
@@ -121,8 +189,8 @@ def as_increments(value: Any) -> int:
 def _one_by_one(noises: Any) -> tuple[Any, ...]:
     if isinstance(noises, Mapping):
         raise ParameterError(
-            "noises: wanted functions on phase space, whose fields stay on the leaf; got values by name, as of a vector "
-            'field, which may leave it; try noises=["l1/2"]'
+            "noises: wanted functions on phase space, whose fields stay on the leaf; got values by name, as of a "
+            'vector field, which may leave it; try noises=["l1/2"]'
         )
     given = tuple(noises) if isinstance(noises, (list, tuple)) else (noises,)
     if not given:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson import _core
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_time
 from liepoisson.inputs.arrays import Array
@@ -34,9 +33,10 @@ class NoisyOrbits(NoisyRun, IntegratedRun, KeepsInvariants):
 
     Example:
         >>> top = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
-        >>> run = lp.stochastic.noisy_orbits(top, [1, 0, 0], noises=["l1/2", "l2/2"], t_end=10, method=lp.Splitting(0.01))
+        >>> method = lp.Splitting(step=0.01)
+        >>> run = lp.stochastic.noisy_orbits(top, [1, 0, 0], noises=["l1/2", "l2/2"], t_end=10, method=method)
         >>> run
-        <NoisyOrbits of so(3) top: 1 trajectory, 1001 times, t = 0 to 10>
+        <NoisyOrbits of Euler top on so(3): 1 trajectory, 1001 times, t = 0 to 10>
 
     Attributes:
         noises: The noise Hamiltonians.
@@ -133,29 +133,16 @@ def noisy_orbits(
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
     noise = Noise.read(system, starts, noises, inverse_temperature, options)
     at, n_increments = _as_times(times, t_end), as_increments(increments)
-    states, n = noise.start, noise.start.shape[1]
-    raw = _core.orbits(
-        noise.core(n_increments=n_increments),
-        options.method.core(),
-        states.ravel(),
-        np.empty(0),
-        0,
-        at,
-        options.threads,
-        options.left,
-        False,
-        False,
-        progress,
-    )
+    raw = noise.orbits(at, n_increments=n_increments)
     return NoisyOrbits(
         **noise.given(),
         increments=n_increments,
         time=at,
-        state=raw["state"].reshape(len(states), len(at), n),
+        state=raw["state"],
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
-        end_state=raw["final_state"].reshape(len(states), n),
+        end_state=raw["final_state"],
         order=raw["order"],
         kernel=raw["kernel"],
     )
@@ -169,6 +156,6 @@ def _as_times(times: ArrayLike | None, t_end: float | None) -> Array:
     at = as_times(times, "times", least=2)
     if at[1] < at[0]:
         raise ParameterError(
-            f"times: wanted increasing times, since noise is not reversible; got {at[0]:g} to {at[-1]:g}; turn them round"
+            f"times: wanted increasing times, since a path has a direction; got {at[0]:g} to {at[-1]:g}; reverse them"
         )
     return at

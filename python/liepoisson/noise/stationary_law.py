@@ -15,10 +15,10 @@ from liepoisson.indicators.mean_error import mean_over_starts
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.noise.noise import Noises, NoisyRun
-from liepoisson.noise.noisy_orbits import noisy_orbits
+from liepoisson.noise.noise import Noise, Noises, NoisyRun
 from liepoisson.numeric.method.splitting import Splitting
-from liepoisson.numeric.run import trajectories
+from liepoisson.numeric.run import outcome_names, trajectories
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_times
 from liepoisson.numeric.systems import HasBracket
 
@@ -37,7 +37,6 @@ class StationaryLaw(NoisyRun):
         n_samples: Samples of each trajectory.
         edges: Edges of the bins, shape (edge,).
         fraction: Share of the samples of each trajectory in each bin, shape (trajectory, bin); NaN for one that failed.
-        sample: The values themselves, shape (trajectory, sample).
     """
 
     kind = "stationary law"
@@ -49,7 +48,6 @@ class StationaryLaw(NoisyRun):
     n_samples: int
     edges: Array = labelled("edge", long_name="edges of the bins")
     fraction: Array = labelled("trajectory", "bin", long_name="share of the samples in each bin", units="1")
-    sample: Array = labelled("trajectory", "sample", long_name="values of the function")
 
     def arguments(self) -> dict[str, Any]:
         """What `stationary_law` was called with."""
@@ -137,39 +135,31 @@ def stationary_law(
     if before >= end:
         raise ParameterError(f"transient: wanted a time from 0 to below {end:g}; got {before:g}; try {end / 2:g}")
     count = as_count(n_samples, "n_samples", least=1, most=2**26)
-    at = np.linspace(before, end, count + 1)
-    run = noisy_orbits(
-        system,
-        starts,
-        noises=noises,
-        method=method,
-        inverse_temperature=inverse_temperature,
-        times=at if before == 0 else np.concatenate([[0.0], at]),
-        seed=seed,
-        first=first,
-        threads=threads,
-        time_limit=time_limit,
-        progress=progress,
-    )
-    known: Any = run.system
-    with np.errstate(all="ignore"):
-        sample = np.asarray(known.functions.of(function)(run.state[:, -count:]))
-    fraction = np.full((len(sample), len(bins) - 1), np.nan)
-    for k in np.flatnonzero(np.isfinite(sample).all(axis=1)):
-        fraction[k] = np.histogram(sample[k], bins=bins)[0] / count
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    noise = Noise.read(system, starts, noises, inverse_temperature, options)
+    value: Any = noise.system.functions.of(function)
+    start, outcome, n_before = noise.start, np.full(len(noise.start), "finished", dtype="U15"), 0
+    if before:
+        raw = noise.orbits(np.array([0.0, before]), share=before / end)
+        start, outcome, n_before = raw["final_state"], outcome_names(raw["outcome"]), noise.n_steps_in(before)
+    counts = np.zeros((len(start), len(bins) - 1))
+    for _, _, raw in noise.in_parts(start, before, (end - before) / count, count, n_before=n_before):
+        with np.errstate(all="ignore"):
+            sample = np.asarray(value(raw["state"][:, 1:]))
+        ended = outcome_names(raw["outcome"])
+        outcome = np.where(outcome == "finished", ended, outcome)
+        for k in np.flatnonzero(outcome == "finished"):
+            counts[k] += np.histogram(sample[k], bins=bins)[0]
+        if (outcome != "finished").all():
+            break
+    counts[outcome != "finished"] = np.nan
     return StationaryLaw(
-        **{name: getattr(run, name) for name in _SHARED},
+        **noise.given(),
         function=str(function),
         t_end=end,
         transient=before,
         n_samples=count,
         edges=bins,
-        fraction=fraction,
-        sample=sample,
+        fraction=counts / count,
+        outcome=outcome,
     )
-
-
-_SHARED = (
-    "system", "components", "field", "method", "start", "outcome", "time_limit", "noises", "inverse_temperature",
-    "seed", "first",
-)  # fmt: skip

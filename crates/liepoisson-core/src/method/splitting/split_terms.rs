@@ -98,6 +98,9 @@ impl<V: Lane> Work<V> {
         for done in 0..intervals.most {
             self.before.copy_from_slice(u);
             self.term.copy_from_slice(u);
+            // The change is summed by itself and added once: term by term, the roundings of what is small beside u have a mean,
+            // and Casimirs were measured to drift by 1.4e-16 of their size in each step of order 4 of a free rigid body.
+            u.fill(V::splat(0.0));
             for k in 1..=intervals.terms {
                 apply(split_term, &self.term, &mut self.image);
                 let factor = intervals.size.mul(V::splat(1.0 / k as f64));
@@ -105,6 +108,9 @@ impl<V: Lane> Work<V> {
                     *term = image.mul(factor);
                     *u = u.add(*term);
                 }
+            }
+            for (u, before) in u.iter_mut().zip(&self.before) {
+                *u = before.add(*u);
             }
             // lanes that needed fewer intervals stay as they are, to the last bit
             for lane in (0..V::WIDTH).filter(|&lane| intervals.counts.get(lane) <= done as f64) {
