@@ -34,7 +34,7 @@ class FirstPassages(NoisyRun):
         noises: The noise Hamiltonians.
         inverse_temperature: That of the law of Gibbs to which the damping leads, or 0.
         seed: Seed of the paths.
-        surface: The function that is zero on the surface.
+        function: The function that is zero on the surface.
         t_end: Longest time.
         time: End of the first step after which the function has the other sign, shape (trajectory,); NaN for a
             trajectory that did not pass until `t_end`.
@@ -45,7 +45,7 @@ class FirstPassages(NoisyRun):
     kind = "first passages"
     made_by = "first_passages"
 
-    surface: str
+    function: str
     t_end: float
     time: Array = labelled("trajectory", long_name="time of the first passage")
     coarse_time: Array = labelled("trajectory", long_name="time of the first passage seen at every second step")
@@ -53,7 +53,7 @@ class FirstPassages(NoisyRun):
 
     def arguments(self) -> dict[str, Any]:
         """What `first_passages` was called with."""
-        return super().arguments() | {"surface": self.surface, "t_end": self.t_end}
+        return super().arguments() | {"function": self.function, "t_end": self.t_end}
 
     @property
     def passed(self) -> NDArray[np.bool_]:
@@ -92,7 +92,7 @@ def first_passages(
     system: HasBracket,
     starts: StartsLike,
     *,
-    surface: str,
+    function: str,
     noises: Noises,
     t_end: float,
     method: Splitting,
@@ -112,13 +112,13 @@ def first_passages(
     Example:
         >>> top, start = lp.catalog.euler_top_on("so(3)", [1, 1, 1]), np.tile([0, 0, 1.0], (200, 1))
         >>> found = lp.stochastic.first_passages(
-        ...     top, start, surface="l3", noises=["l1", "l2"], t_end=50, method=lp.Splitting(step=0.01)
+        ...     top, start, function="l3", noises=["l1", "l2"], t_end=50, method=lp.Splitting(step=0.01)
         ... )
         >>> found  # a Brownian motion on the sphere, from the pole to the equator: 2 ln 2 = 1.39 on average
-        <FirstPassages of so(3) top: 200 of 200 trajectories passed until t = 50, median time 0.995>
+        <FirstPassages of Euler top on so(3): 200 of 200 trajectories passed until t = 50, median time 1.185>
 
     Args:
-        surface: A function on phase space that is zero on the surface, and at no start.
+        function: A function on phase space that is zero on the surface, and at no start.
         noises: The noise Hamiltonians, as for `noisy_orbits`.
         t_end: Longest time, positive.
         method: `Splitting`, whose `step` is the largest one.
@@ -137,21 +137,19 @@ def first_passages(
     """
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
     noise = Noise.read(system, starts, noises, inverse_temperature, options)
-    function: Any = noise.system.functions.of(surface)
+    value: Any = noise.system.functions.of(function)
     end = as_time(t_end, "t_end", example=100)
     states = noise.start
-    side = np.sign(np.asarray(function(states)))
+    side = np.sign(np.asarray(value(states)))
     if (side[np.isfinite(states).all(axis=1)] == 0).any():
-        raise ParameterError(
-            "surface: wanted a function that is not zero at the starts; got a start on it; move it off"
-        )
+        raise ParameterError("function: wanted one that is not zero at the starts; got a start on it; move it off")
     n_steps = noise.n_steps_in(end)
     time, coarse = np.full(len(states), np.nan), np.full(len(states), np.nan)
     outcome, last = np.full(len(states), "finished", dtype="U15"), states.copy()
     for before, at, raw in noise.in_parts(states, 0.0, end / n_steps, n_steps):
         seen = raw["state"][:, 1:]
         with np.errstate(all="ignore"):
-            beyond = np.asarray(function(seen)) * side[:, None] <= 0
+            beyond = np.asarray(value(seen)) * side[:, None] <= 0
         was_going = outcome == "finished"
         for found, every in ((time, 1), (coarse, 2)):
             looked = beyond & (np.arange(before + 1, before + 1 + len(at)) % every == 0)
@@ -168,7 +166,7 @@ def first_passages(
             break
     return FirstPassages(
         **noise.given(),
-        surface=str(surface),
+        function=str(function),
         t_end=end,
         time=time,
         coarse_time=coarse,

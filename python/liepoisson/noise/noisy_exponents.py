@@ -96,8 +96,8 @@ def noisy_exponents(
         >>> found = lp.stochastic.noisy_exponents(
         ...     spin, starts, noises=["l1", "l2", "l3"], inverse_temperature=2, t_end=100, method=lp.Splitting(0.02)
         ... )
-        >>> found.mean  # -coth 2 + 1/2 = -0.537: all trajectories on one path meet
-        Estimate(-0.527 ± 0.013)
+        >>> print(found.mean)  # -coth 2 + 1/2 = -0.537: all trajectories on one path meet
+        -0.527 ± 0.013
 
     Args:
         noises: The noise Hamiltonians, as for `noisy_orbits`.
