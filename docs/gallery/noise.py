@@ -22,7 +22,9 @@ l, energy = run.end_state, run.invariants["H"][:, -1]
 figure = plt.figure(figsize=(8, 3.6))
 sphere = figure.add_subplot(1, 2, 1, projection="3d")
 sphere.scatter(*l.T, c=energy, s=3, cmap="viridis")
-sphere.set(xlabel="$l_1$", ylabel="$l_2$", zlabel="$l_3$", box_aspect=(1, 1, 1), xticks=(-1, 1), yticks=(-1, 1), zticks=(-1, 1))
+sphere.set(
+    xlabel="$l_1$", ylabel="$l_2$", zlabel="$l_3$", box_aspect=(1, 1, 1), xticks=(-1, 1), yticks=(-1, 1), zticks=(-1, 1)
+)
 
 # the law of the energy, from points spread evenly over the sphere
 k = np.arange(200_000) + 0.5

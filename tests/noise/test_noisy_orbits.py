@@ -80,8 +80,8 @@ def test_the_strong_order_of_noises_that_do_not_commute_is_a_half():
 def test_the_weak_order_is_two():
     r"""$E l$ obeys $\dot y = (M_H + \frac12\sum_k M_k^2)\,y$ where all Hamiltonians are linear; independent paths.
 
-    Strang's composition of the semigroups has the errors 0.0083 and 0.0020; those of 4,000,000 paths have standard errors
-    of 0.0005.
+    Strang's composition of the semigroups has the errors 0.0083 and 0.0020; measured with 4,000,000 paths: 0.0085 and
+    0.0022, each within some 0.0005.
     """
     turn = np.cross(np.eye(3)[None], np.eye(3)[:, None]).transpose(0, 2, 1)  # turn[k] x = x cross e_k
     rate = 4 * turn[2] + turn[0] @ turn[0] / 2 + 0.3**2 * turn[1] @ turn[1] / 2
