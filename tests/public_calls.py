@@ -454,11 +454,11 @@ def _of_orbits_and_sections(add):
     add("results.ReturnMap.exponents", "states:S", back, inside, **point, n_returns=2)
     add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
     add("sections.return_map", "", system=HENON, surface="x", t_end=100)
-    add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], function="l3", x="l1", y="l2")
+    add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
     kept = {"n_crossings": 2, "start_side": [1], "keep": ["l1", "alpha2*l3"]}
     add("sections.section", "starts:S start_side:1 keep:o", **run, **crossed, **kept)
     add(
-        "sections.section_state", "coordinates:v guess:S", None, heavy.component_names, function="l3", energy=1.5,
+        "sections.section_state", "coordinates:v guess:S", None, heavy.component_names, surface="l3", energy=1.5,
         leaf=lp.Leaf(heavy, {"C1": 0.5, "C2": 1}), coordinates={"l1": 0.2}, guess=[0.2, 1, 0, 0, 0, 1],
     )  # fmt: skip
 
@@ -707,7 +707,7 @@ def made():
 
 @cache
 def crossings():
-    return lp.section(TOP, X, function="l3", t_end=20)
+    return lp.section(TOP, X, surface="l3", t_end=20)
 
 
 @cache
