@@ -27,7 +27,7 @@ PAGE = Path(__file__).with_name("names.md")
 
 RESULTS = Path(lp.__file__).with_name("results.pyi")
 
-CHAPTER = {"indicators": "chaos", "poincare": "sections"}
+CHAPTER = {"indicators": "chaos", "noise": "stochastic", "poincare": "sections"}
 """The chapter of the functions by which the results of a folder are made."""
 
 WORDS = {

@@ -86,6 +86,7 @@ PARTIAL = lp.System(lp.so(3) @ lp.leibniz(3), "dot(l, l)/2 + log(10 + alpha1)", 
 X = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.0, 0.0, 0.0]
 RIGID = lp.Top.twisted(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 0.5, 0), epsilon=1)
 Y = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.25, 0.75, 1.0]
+ROUND = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
 E3 = lp.so(3) @ lp.semidirect(2)
 FREE = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
 HENON = lp.catalog.system("henon-heiles")
@@ -355,6 +356,26 @@ def _of_systems(add):
     add("sweeps.SweepSpec", "axes:o parameters:c", system="twisted-top", axes=axes, t_end=10, parameters=parameters)
 
 
+def _of_noise(add, run):
+    noise = {"noises": ["l1", "l2/2"], "inverse_temperature": 0.5, "method": lp.Splitting(step=0.05)}
+    add(
+        "stochastic.noisy_orbits",
+        "starts:S times:o",
+        None,
+        ROUND.component_names,
+        **run,
+        **noise,
+        times=TIMES,
+        increments=2,
+    )
+    until = {**run, **noise, "t_end": 5}
+    names = ("starts:S", None, ROUND.component_names)
+    add("stochastic.noisy_exponents", *names, **until, n_blocks=8)
+    add("stochastic.first_passages", *names, **until, function="l3")
+    counted = {"edges": [-1.0, 0.0, 1.5], "transient": 1, "n_samples": 16}
+    add("stochastic.stationary_law", "starts:S edges:o", None, ROUND.component_names, **until, function="l3", **counted)
+
+
 def _of_runs(add):
     run = {"system": TOP, "starts": X}
     thresholds = {"growth_power": (2.0, 3.0), "megno": (2.5, 5.0), "sali": (1e-3, 1e-8)}
@@ -378,6 +399,7 @@ def _of_runs(add):
         return lp.lyapunov_spectrum(**options).residuals
 
     add("chaos.lyapunov_spectrum:residuals", "", None, (), residuals, **run, t_end=5)
+    _of_noise(add, {"system": ROUND, "starts": [0.5, -0.25, 1.0]})
     add("chaos.megno", "starts:S tangents:N", **run, t_end=5, n_samples=64, tangents=TANGENT)
     curves = {"time": CURVE, "exponent": exponents()}
     windows = {"windows": [(2, 90), (3, 80)], "log_windows": [(2, 90)]}

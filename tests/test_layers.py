@@ -36,7 +36,7 @@ LAYERS = (
     {"numeric"},
     {"leaf"},
     {"indicators", "poincare"},
-    {"equilibrium", "rigid_body"},
+    {"equilibrium", "noise", "rigid_body"},
     {"integrability", "orbits"},
     {"tori"},
     {"proofs"},
@@ -46,7 +46,7 @@ LAYERS = (
     {"laboratory"},
     {
         "", "algebras", "brackets", "chaos", "charts", "citations", "dissipation", "extensions", "fields",
-        "fits", "methods", "phase_space", "results", "sections", "systems",
+        "fits", "methods", "phase_space", "results", "sections", "stochastic", "systems",
     },
     {"studies"},
     {"cli"},

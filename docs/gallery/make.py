@@ -49,7 +49,7 @@ GROUPS = {
     ),
     "Chaos and its measures": (
         *("henon-heiles", "megno-map", "frequencies", "sticky", "spectrum", "exponent-error"),
-        *("covariant", "splitting", "homoclinic", "orbit-families", "lorenz", "forced-pendulum"),
+        *("covariant", "splitting", "homoclinic", "orbit-families", "lorenz", "forced-pendulum", "noise"),
     ),
     "Proofs": ("coverings", "enclosure", "painleve"),
     "Lattices, waves, fluids, other algebras": (

@@ -26,6 +26,7 @@ GROUPS = {
     "Write a system": ("systems", "algebras", "extensions", "brackets", "catalog", "fields"),
     "Integrate": ("orbits", "methods"),
     "Exponents and chaos": ("chaos", "fits"),
+    "Noise": ("stochastic",),
     "Sections": ("sections",),
     "Leaves, equilibria and charts": ("phase_space", "dissipation", "charts"),
     "Tori of integrable systems": ("tori",),

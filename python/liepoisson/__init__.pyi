@@ -19,6 +19,7 @@ from liepoisson import plot as plot
 from liepoisson import proofs as proofs
 from liepoisson import results as results
 from liepoisson import sections as sections
+from liepoisson import stochastic as stochastic
 from liepoisson import sweeps as sweeps
 from liepoisson import systems as systems
 from liepoisson import tori as tori

@@ -111,6 +111,16 @@ class Field:
     ) -> Field: ...
     @staticmethod
     def pieces(n_components: int, pieces: Sequence[Piece]) -> Field: ...
+    def with_noise(
+        self,
+        noises: Sequence[Sequence[Piece]],
+        energy: Sequence[Piece],
+        inverse_temperature: float,
+        key: Sequence[int],
+        first: int,
+        n_before: int,
+        n_increments: int,
+    ) -> Field: ...
 
 @final
 class Method:

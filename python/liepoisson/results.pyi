@@ -44,6 +44,10 @@ from liepoisson.io.result import Result as Result
 from liepoisson.leaf.chart_orbit import ChartOrbit as ChartOrbit
 from liepoisson.leaf.orbit_bounds import Bounds as Bounds
 from liepoisson.model.discrete_symmetries import DiscreteSymmetries as DiscreteSymmetries
+from liepoisson.noise.first_passages import FirstPassages as FirstPassages
+from liepoisson.noise.noisy_exponents import NoisyExponents as NoisyExponents
+from liepoisson.noise.noisy_orbits import NoisyOrbits as NoisyOrbits
+from liepoisson.noise.stationary_law import StationaryLaw as StationaryLaw
 from liepoisson.numeric.integrate import Orbit as Orbit
 from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
 from liepoisson.orbits.connections import ConnectingOrbit as ConnectingOrbit

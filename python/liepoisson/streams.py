@@ -50,6 +50,8 @@ class Purpose(IntEnum):
     """States from which critical points of a momentum map are looked for."""
     FIBRES = 19
     """States of a fibre, of which those that flows join are one torus."""
+    NOISE = 30
+    """The key of the paths that shake a system, whose numbers the core makes by trajectory, step and channel."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 

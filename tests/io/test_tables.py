@@ -68,9 +68,9 @@ def rows_of(result):
     if not isinstance(result, Result):
         return len(result)
     kind = result.kind
-    times = {"orbit": "time", "attitude": "time", "rod": "arclength"}
+    times = {"orbit": "time", "noisy orbits": "time", "attitude": "time", "rod": "arclength"}
     if kind in times:
-        orbits = len(result.outcome) if kind == "orbit" else len(STATES)
+        orbits = len(result.outcome) if "orbit" in kind else len(STATES)
         return orbits * len(getattr(result, times[kind]))
     if kind in {"chart orbit", "section"}:
         return len(result.time)

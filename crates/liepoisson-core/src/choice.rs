@@ -3,7 +3,7 @@
 use crate::analysis::section::SectionEnsemble;
 use crate::ensemble::{AnyEnsemble, Integrator};
 use crate::error::Error;
-use crate::field::{Bounds, Quadratic, Quadratics, Space, SplitTerms, Tape, Top, Tops};
+use crate::field::{Bounds, Noise, Noisy, Quadratic, Quadratics, Space, SplitTerms, Tape, Top, Tops};
 use crate::lanes::Simd;
 pub use crate::method::AnyMethod;
 use crate::method::{LagrangeMap, Taylor, runge_kutta_is_cheaper};
@@ -19,6 +19,8 @@ pub enum AnyField {
     Quadratics(Quadratics),
     Tape(Tape),
     SplitTerms(SplitTerms),
+    NoisyTop(Noisy<Top>),
+    NoisyTerms(Noisy<SplitTerms>),
 }
 
 /// Makes of the table of methods, in [`crate::method`], their files, one type for all of them, and what applies to what.
@@ -94,6 +96,18 @@ macro_rules! methods {
 pub(crate) use methods;
 
 impl AnyField {
+    /// The field with noise.
+    ///
+    /// # Errors
+    /// A field that no splitting method applies to, noise of another dimension.
+    pub fn with_noise(&self, noise: Noise) -> Result<AnyField, Error> {
+        match self {
+            AnyField::Top(field) => Noisy::new(*field, noise).map(AnyField::NoisyTop),
+            AnyField::SplitTerms(field) => Noisy::new(field.clone(), noise).map(AnyField::NoisyTerms),
+            _ => Err(Error::MethodForField),
+        }
+    }
+
     /// Number of components of the state.
     pub fn n_components(&self) -> usize {
         match self {
@@ -103,6 +117,8 @@ impl AnyField {
             AnyField::Quadratics(field) => field.n_components(),
             AnyField::Tape(field) => field.n_components(),
             AnyField::SplitTerms(field) => field.n_components(),
+            AnyField::NoisyTop(field) => field.n_components(),
+            AnyField::NoisyTerms(field) => field.n_components(),
         }
     }
 
@@ -134,7 +150,7 @@ impl AnyField {
             AnyField::Top(field) => runge_kutta_is_cheaper(field, taylor),
             AnyField::Quadratic(field) => runge_kutta_is_cheaper(field, taylor),
             AnyField::Tape(field) => runge_kutta_is_cheaper(field, taylor),
-            AnyField::Tops(_) | AnyField::Quadratics(_) | AnyField::SplitTerms(_) => false,
+            _ => false,
         })
     }
 

@@ -38,3 +38,4 @@ pub mod lanes;
 pub mod linear;
 pub mod method;
 pub mod modular;
+pub mod random;

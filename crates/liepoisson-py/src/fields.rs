@@ -3,7 +3,7 @@
 use crate::errors::guarded;
 use liepoisson_core::choice::AnyField;
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Quadratic, Quadratics, Ridge, SplitTerms, Tape, Top, Tops};
+use liepoisson_core::field::{Instruction, Noise, Path, Quadratic, Quadratics, Ridge, SplitTerms, Tape, Top, Tops};
 use pyo3::prelude::*;
 
 /// A vector field that the core integrates.
@@ -25,6 +25,11 @@ pub(crate) type InstructionParts = (String, Vec<usize>, Vec<f64>);
 pub(crate) fn read_instructions(instructions: &[InstructionParts]) -> Result<Vec<Instruction>, Error> {
     let read = |(name, registers, numbers): &InstructionParts| Instruction::from_parts(name, registers, numbers);
     instructions.iter().map(read).collect()
+}
+
+fn split_terms(n_components: usize, pieces: Vec<SplitTermParts>) -> Result<SplitTerms, Error> {
+    let ridge = |(form, derivative, generator)| Ridge { form, generator, derivative };
+    SplitTerms::new(n_components, pieces.into_iter().map(ridge).collect())
 }
 
 #[pymethods]
@@ -96,8 +101,32 @@ impl Field {
     /// A Lie-Poisson system by split terms of its Hamiltonian, each with a known flow: form, derivative, matrix.
     #[staticmethod]
     fn pieces(n_components: usize, pieces: Vec<SplitTermParts>) -> PyResult<Field> {
-        let ridges =
-            pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
-        guarded(|| SplitTerms::new(n_components, ridges)).map(|terms| Field(AnyField::SplitTerms(terms)))
+        guarded(|| split_terms(n_components, pieces)).map(|terms| Field(AnyField::SplitTerms(terms)))
+    }
+
+    /// The same field with noise Hamiltonians by their split terms, the Hamiltonian by its own and an inverse temperature for
+    /// the damping, and what the path is made of: two words, the number of the first trajectory, steps before the first one,
+    /// increments in each step.
+    #[allow(clippy::too_many_arguments)]
+    fn with_noise(
+        &self,
+        noises: Vec<Vec<SplitTermParts>>,
+        energy: Vec<SplitTermParts>,
+        inverse_temperature: f64,
+        key: [u32; 2],
+        first: u64,
+        n_before: u64,
+        n_increments: u32,
+    ) -> PyResult<Field> {
+        let n = self.n_components();
+        guarded(|| {
+            let channels = noises.into_iter().map(|noise| split_terms(n, noise)).collect::<Result<_, _>>()?;
+            let damping = match inverse_temperature {
+                0.0 => None,
+                beta => Some((split_terms(n, energy)?, beta)),
+            };
+            self.0.with_noise(Noise::new(channels, damping, Path { key, first, n_before, n_increments })?)
+        })
+        .map(Field)
     }
 }

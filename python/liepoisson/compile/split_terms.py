@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from fractions import Fraction
-from itertools import product
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.exact_numbers import as_coefficient
@@ -49,6 +49,44 @@ def pieces_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Piece
         UnsupportedFieldError: the Hamiltonian depends on time, is not a polynomial, or needs more than 1000 pieces; or
             the bracket is not linear or has a constant part, so that the flow of a piece is not linear in the state.
     """
+    powers = _powers_of(bracket, hamiltonian)
+    if len(powers) > MOST_PIECES:
+        raise UnsupportedFieldError(
+            f"splitting: wanted a Hamiltonian of at most {MOST_PIECES} pieces; got {len(powers)}; use the Taylor method"
+        )
+    return PiecesField(bracket.dimension, tuple(_piece(bracket, form, terms) for form, terms in powers.items()))
+
+
+def commuting_pieces_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> tuple[Piece, ...]:
+    """The same for a Hamiltonian that must flow exactly: pieces whose linear forms commute, so that their flows do.
+
+    Pieces whose form is a Casimir move nothing and are left out.
+
+    Raises:
+        ParameterError, UnsupportedFieldError: as for `pieces_of`; also if two of the forms do not commute.
+    """
+    powers = _powers_of(bracket, hamiltonian)
+    moving = {form: rows for form in powers if (rows := _generator(bracket, form))}
+    for (first, _), (second, rows) in combinations(moving.items(), 2):
+        image: defaultdict[int, Fraction] = defaultdict(Fraction)
+        for (i, k), c in rows.items():
+            image[k] += dict(first).get(i, 0) * c
+        if any(image.values()):
+            one, other = (_written(bracket, form) for form in (first, second))
+            raise UnsupportedFieldError(
+                f"splitting: wanted a sum of functions of linear forms that commute, since its flow is then exact; got "
+                f"one of {one} and {other}, whose bracket is not zero; give the parts that commute as Hamiltonians of "
+                "their own"
+            )
+    return tuple(_piece(bracket, form, powers[form]) for form in moving)
+
+
+def _written(bracket: Bracket, form: Form) -> str:
+    return " + ".join(f"{c}*{bracket.variables[i]}" if c != 1 else str(bracket.variables[i]) for i, c in form)
+
+
+def _powers_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Powers:
+    """A Hamiltonian as powers of linear forms, with a bracket for which their flows are linear."""
     if bracket.clock is not None:
         raise UnsupportedFieldError(
             f"splitting: wanted a Hamiltonian without time; got one that depends on {bracket.clock}; use the Taylor or "
@@ -60,15 +98,9 @@ def pieces_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Piece
             f"splitting: wanted a bracket that is linear in the state; got {got}; use the Taylor or a Gauss method"
         )
     if isinstance(hamiltonian, RationalPolynomial):
-        powers = powers_of_forms(hamiltonian.expanded)
-    else:
-        check_numeric(bracket, hamiltonian)
-        powers = powers_of_forms(_polynomial(bracket, hamiltonian))
-    if len(powers) > MOST_PIECES:
-        raise UnsupportedFieldError(
-            f"splitting: wanted a Hamiltonian of at most {MOST_PIECES} pieces; got {len(powers)}; use the Taylor method"
-        )
-    return PiecesField(bracket.dimension, tuple(_piece(bracket, form, terms) for form, terms in powers.items()))
+        return powers_of_forms(hamiltonian.expanded)
+    check_numeric(bracket, hamiltonian)
+    return powers_of_forms(_polynomial(bracket, hamiltonian))
 
 
 def powers_of_forms(energy: Polynomial) -> Powers:
@@ -179,12 +211,6 @@ def _polynomial(bracket: Bracket, hamiltonian: Expr) -> Polynomial:
 
 def _piece(bracket: Bracket, form: Form, terms: dict[int, Fraction]) -> Piece:
     """Form, derivative and matrix of one piece."""
-    coefficients = dict(form)
-    matrix: defaultdict[tuple[int, int], Fraction] = defaultdict(Fraction)
-    for i, j, k, c in bracket.entries():
-        value = rational(c)
-        matrix[i, k] += value * coefficients.get(j, 0)
-        matrix[j, k] -= value * coefficients.get(i, 0)
     derivative = [Fraction(0)] * max(terms)
     for degree, c in terms.items():
         derivative[degree - 1] += degree * c
@@ -192,5 +218,16 @@ def _piece(bracket: Bracket, form: Form, terms: dict[int, Fraction]) -> Piece:
     return (
         tuple((i, as_coefficient(c, number)) for i, c in form),
         tuple(as_coefficient(c, number) for c in derivative),
-        tuple((i, k, as_coefficient(c, number)) for (i, k), c in sorted(matrix.items()) if c),
+        tuple((i, k, as_coefficient(c, number)) for (i, k), c in sorted(_generator(bracket, form).items())),
     )
+
+
+def _generator(bracket: Bracket, form: Form) -> dict[tuple[int, int], Fraction]:
+    """The matrix of the field of a linear form, without zeros."""
+    coefficients = dict(form)
+    matrix: defaultdict[tuple[int, int], Fraction] = defaultdict(Fraction)
+    for i, j, k, c in bracket.entries():
+        value = rational(c)
+        matrix[i, k] += value * coefficients.get(j, 0)
+        matrix[j, k] -= value * coefficients.get(i, 0)
+    return {place: c for place, c in matrix.items() if c}

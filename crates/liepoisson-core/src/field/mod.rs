@@ -2,6 +2,7 @@
 
 mod convolution;
 mod cover;
+mod noise;
 mod quadratic;
 mod quadratics;
 pub(crate) mod split_terms;
@@ -10,6 +11,7 @@ mod terms;
 pub(crate) mod top;
 mod tops;
 
+pub use noise::{Noise, Noisy, Path};
 pub use quadratic::Quadratic;
 pub use quadratics::{LaneQuadratics, Quadratics};
 pub use split_terms::{Ridge, SplitTerms};

@@ -21,7 +21,7 @@ pub use options::{Options, Setting};
 pub(crate) use overview::FIRST_TERMS;
 pub use overview::{Overview, SeriesSums};
 pub(crate) use series_sum::sum_series;
-pub use splitting::Split;
+pub use splitting::{PathIndex, Split};
 pub(crate) use taylor::MAX_ORDER;
 
 use crate::choice::{AnyField, methods};
@@ -36,7 +36,7 @@ use std::sync::Arc;
 methods! {
     "taylor" taylor::Taylor for [Top Quadratic Tape] outside the browser also [Tops Quadratics];
     "runge-kutta" runge_kutta::RungeKutta for [] outside the browser also [Top Quadratic Tape];
-    "splitting" splitting::Splitting for [Top SplitTerms] outside the browser also [];
+    "splitting" splitting::Splitting for [Top SplitTerms] outside the browser also [NoisyTop NoisyTerms];
     "gauss" gauss::Gauss for [] outside the browser also [Top Quadratic Tape];
     "lagrange-map" lagrange_map::LagrangeMap for [] outside the browser also [Top];
     // of these, outside the browser:

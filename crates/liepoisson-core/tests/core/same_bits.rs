@@ -21,7 +21,9 @@ use liepoisson_core::enclosure::polynomial::Polynomial;
 use liepoisson_core::enclosure::program::Program;
 use liepoisson_core::enclosure::rational::Rational;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
-use liepoisson_core::field::{Bounds, Functions, Instruction, Quadratic, Ridge, Space, SplitTerms, Tape};
+use liepoisson_core::field::{
+    Bounds, Functions, Instruction, Noise, Noisy, Path, Quadratic, Ridge, Space, SplitTerms, Tape,
+};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
@@ -200,6 +202,12 @@ fn split_terms() -> SplitTerms {
     SplitTerms::new(3, ridges).unwrap()
 }
 
+/// A noise Hamiltonian.
+fn split_term() -> SplitTerms {
+    let generator = vec![(0, 1, 0.7), (1, 0, -0.7), (1, 2, 0.4), (2, 1, -0.4)];
+    SplitTerms::new(3, vec![Ridge { form: vec![(0, 0.4), (2, 0.7)], generator, derivative: vec![0.8, 0.5] }]).unwrap()
+}
+
 /// Tops by every method.
 fn tops(hashes: &mut Hashes) {
     let (kovalevskaya, general) = (TWISTED_KOVALEVSKAYA.top(), GENERAL.top());
@@ -262,6 +270,10 @@ fn fields(hashes: &mut Hashes) {
     hashes.orbits("quadratic, Runge-Kutta, fixed", &quadratic, fixed, 1, 1.0);
     hashes.orbits("quadratic, Runge-Kutta, adaptive", &quadratic, adaptive, 1, 1.0);
     hashes.section("quadratic, section", &quadratic, 8.0);
+    let path = Path { key: [1, 2], first: 3, n_before: 4, n_increments: 3 };
+    let noise = Noise::new(vec![split_term(), split_term()], Some((split_terms(), 0.5)), path).unwrap();
+    let shaken = Noisy::new(split_terms(), noise).unwrap();
+    hashes.orbits("pieces with noise, splitting 4", &shaken, Splitting::new(4, 0.2, MAX).unwrap(), 1, 4.0);
     for order in [2, 4, 6, 8] {
         hashes.orbits(
             &format!("pieces, splitting {order}"),

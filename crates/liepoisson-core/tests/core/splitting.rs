@@ -5,7 +5,7 @@ use liepoisson_core::analysis::lyapunov::finite_time_exponents;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Ridge, Space, SplitTerms};
+use liepoisson_core::field::{Noise, Noisy, Path, Ridge, Space, SplitTerms};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{Method, Single, Splitting};
 use proptest::prelude::*;
@@ -467,4 +467,70 @@ fn one_split_term_is_solved_exactly() {
         let expected = [x[at] * cosine + x[at + 1] * sine, x[at + 1] * cosine - x[at] * sine, x[at + 2]];
         assert!(distance(&got[at..at + 3], &expected) < 1e-12, "{got:?} {expected:?}");
     }
+}
+
+/// A free rigid body of unequal moments that a linear and a quadratic Hamiltonian shake, damped.
+fn noisy_body(damping: f64, path: Path) -> Noisy<SplitTerms> {
+    let bracket: Vec<(usize, usize, usize, f64)> =
+        (0..3).flat_map(|i| [(i, (i + 1) % 3, (i + 2) % 3, -1.0), ((i + 1) % 3, i, (i + 2) % 3, 1.0)]).collect();
+    let ridge =
+        |form: &[(usize, f64)], derivative: &[f64]| Ridge::of_bracket(&bracket, form.to_vec(), derivative.to_vec());
+    let terms = |ridges: Vec<Ridge>| SplitTerms::new(3, ridges).unwrap();
+    let energy = terms((0..3).map(|i| ridge(&[(i, 1.0)], &[0.0, 1.0 / (1.0 + i as f64)])).collect());
+    let channels =
+        vec![terms(vec![ridge(&[(0, 0.7), (2, 0.2)], &[1.0])]), terms(vec![ridge(&[(1, 1.0)], &[0.1, 0.8])])];
+    Noisy::new(energy.clone(), Noise::new(channels, Some((energy, damping)), path).unwrap()).unwrap()
+}
+
+fn path() -> Path {
+    Path { key: [3, 5], first: 0, n_before: 0, n_increments: 1 }
+}
+
+#[test]
+fn noise_and_damping_keep_the_casimir_and_tangent_vectors_are_derivatives() {
+    let (field, start, times) = (noisy_body(2.0, path()), [0.48, 0.6, 0.64], [0.0, 1.0]);
+    let found = integrate(&field, splitting(2, 0.1), &start, &identity(3), &times);
+    let length: f64 = found.states[3..].iter().map(|x| x * x).sum();
+    assert!((length - 1.0).abs() < 1e-14, "{length}");
+    let moved = |j: usize, by: f64| {
+        let mut x = start;
+        x[j] += by;
+        end(&field, splitting(2, 0.1), &x, &times)
+    };
+    for j in 0..3 {
+        let (plus, minus) = (moved(j, 1e-6), moved(j, -1e-6));
+        for i in 0..3 {
+            // the second differences are of order one, those of the third 1e-12
+            let (difference, derivative) = ((plus[i] - minus[i]) / 2e-6, found.tangents[9 + 3 * j + i]);
+            assert!((difference - derivative).abs() < 1e-8, "{i} {j}: {difference} {derivative}");
+        }
+    }
+}
+
+#[test]
+fn a_path_depends_on_trajectory_and_step_alone() {
+    let states: Vec<f64> = (0..11).flat_map(|k| [0.6, 0.8, 0.1 * f64::from(k)]).collect();
+    let whole = integrate(&noisy_body(1.0, path()), splitting(4, 0.1), &states, &[], &[0.0, 1.0, 3.0]);
+    for k in [0, 4, 10] {
+        let first = Path { first: k as u64, ..path() };
+        let alone = integrate(&noisy_body(1.0, first), splitting(4, 0.1), &states[3 * k..][..3], &[], &[0.0, 1.0, 3.0]);
+        assert_eq!(alone.states, whole.states[9 * k..][..9], "trajectory {k}");
+        let onward = Path { n_before: 10, ..first };
+        let later = end(&noisy_body(1.0, onward), splitting(4, 0.1), &alone.states[3..6], &[1.0, 3.0]);
+        assert_eq!(later, alone.states[6..], "trajectory {k}, gone on with");
+    }
+    let rotations = |n_increments: u32, step: f64| {
+        let turn = Ridge { form: vec![(0, 1.0)], generator: vec![(1, 2, 1.0), (2, 1, -1.0)], derivative: vec![1.0] };
+        let axis = SplitTerms::new(3, vec![turn]).unwrap();
+        let noise = Noise::new(vec![axis], None, Path { n_increments, ..path() }).unwrap();
+        end(
+            &Noisy::new(SplitTerms::new(3, vec![]).unwrap(), noise).unwrap(),
+            splitting(2, step),
+            &states[..3],
+            &[0.0, 4.0],
+        )
+    };
+    let (fine, coarse) = (rotations(1, 0.25), rotations(4, 1.0));
+    assert!(fine.iter().zip(&coarse).all(|(a, b)| (a - b).abs() < 1e-14), "{fine:?} {coarse:?}");
+    assert!((fine[1] - states[1]).abs() > 0.01, "{fine:?}");
 }

@@ -9,6 +9,7 @@
 //! two split terms and compositions with the adjoint have the same conditions on their coefficients.
 
 mod coefficients;
+mod noise;
 mod rotation;
 mod split_terms;
 mod top;
@@ -60,15 +61,25 @@ impl Splitting {
     }
 }
 
+/// Where a lane is on the path of its noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathIndex {
+    /// The number of the trajectory.
+    pub trajectory: usize,
+    /// The steps that it has taken.
+    pub n_steps: u64,
+}
+
 /// A field whose Hamiltonian is a sum of split terms with known flows.
 pub trait Split: Space {
-    /// Takes `repeats` steps of each lane's size: `groups` holds the state and then the tangent vectors.
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64);
+    /// Takes `repeats` steps of each lane's size: `groups` holds the state and then the tangent vectors. `paths` are the places of
+    /// the lanes where there is noise.
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &[PathIndex]);
 }
 
 impl<F: Split> Split for &F {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64) {
-        (**self).advance(scheme, groups, sizes, repeats);
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &[PathIndex]) {
+        (**self).advance(scheme, groups, sizes, repeats, paths);
     }
 }
 
@@ -114,6 +125,7 @@ pub(super) struct SplittingBlock<F, V> {
     groups: Vec<V>,
     /// The same before the last steps.
     before: Vec<V>,
+    paths: Vec<PathIndex>,
 }
 
 impl<F: Split, V: Lane> SplittingBlock<F, V> {
@@ -121,7 +133,8 @@ impl<F: Split, V: Lane> SplittingBlock<F, V> {
     pub(super) fn new(field: F, method: Splitting, n_tangents: usize) -> Self {
         let groups = vec![V::splat(0.0); field.n_components() * (1 + n_tangents)];
         let scheme = Scheme::of_order(method.order);
-        SplittingBlock { field, scheme, step: method.step, before: groups.clone(), groups }
+        let paths = vec![PathIndex::default(); V::WIDTH];
+        SplittingBlock { field, scheme, step: method.step, before: groups.clone(), groups, paths }
     }
 
     fn group(&self, group: usize) -> std::ops::Range<usize> {
@@ -143,7 +156,10 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
         Precision::of::<V::Number>()
     }
 
-    fn load(&mut self, lane: usize, _trajectory: usize, group: usize, values: &[f64]) {
+    fn load(&mut self, lane: usize, trajectory: usize, group: usize, values: &[f64]) {
+        if group == 0 {
+            self.paths[lane] = PathIndex { trajectory, n_steps: 0 };
+        }
         let at = self.group(group);
         for (register, &value) in self.groups[at].iter_mut().zip(values) {
             register.set(lane, value);
@@ -162,16 +178,20 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
 
     fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]) {
         self.before.copy_from_slice(&self.groups);
-        self.field.advance(&self.scheme, &mut self.groups, sizes, repeats);
+        self.field.advance(&self.scheme, &mut self.groups, sizes, repeats, &self.paths);
         let mut all_finite = true;
         V::outline(Finite { groups: &self.groups, answer: &mut all_finite });
         outcomes.fill(StepOutcome::Taken);
+        for path in &mut self.paths {
+            path.n_steps += repeats;
+        }
         if all_finite {
             return;
         }
         for (lane, outcome) in outcomes.iter_mut().enumerate() {
             if !self.groups.iter().all(|register| register.get(lane).is_finite()) {
                 *outcome = StepOutcome::NotFinite;
+                self.paths[lane].n_steps -= repeats;
                 for (register, before) in self.groups.iter_mut().zip(&self.before) {
                     register.as_scalars_mut()[lane] = before.as_scalars()[lane];
                 }

@@ -1,0 +1,80 @@
+"""First passages, laws and exponents of systems with noise."""
+
+import math
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError
+
+STEP = lp.Splitting(step=0.02, order=2)
+ROUND = lp.catalog.euler_top_on("so(3)", [1, 1, 1])
+EACH = ["l1", "l2", "l3"]
+
+
+def test_the_first_passage_from_the_pole_to_the_equator_takes_as_long_as_it_must():
+    r"""$\frac12\Delta T = -1$ on the sphere, T = 0 on the equator: $T = 2\ln(1 + \cos\theta)$, 2 ln 2 from the pole."""
+    start, options = np.tile([0, 0, 1.0], (600, 1)), {"noises": ["l1", "l2"], "t_end": 20, "method": STEP}
+    found = lp.stochastic.first_passages(ROUND, start, function="l3", seed=1, **options)
+    assert found.passed.all()
+    late, mean = found.step_bias, found.mean
+    assert late.value > 3 * late.standard_error
+    assert abs(mean.value - late.value - 2 * math.log(2)) < 3 * math.hypot(mean.standard_error, late.standard_error)
+    with pytest.raises(ParameterError, match="on it"):
+        lp.stochastic.first_passages(ROUND, [1, 0, 0], function="l3", **options)
+
+
+def test_a_trajectory_that_does_not_pass_has_no_time():
+    found = lp.stochastic.first_passages(ROUND, [0, 0, 1], function="l3 + 2", noises="l1", t_end=1, method=STEP)
+    assert np.isnan(found.time).all()
+    assert found.outcome.tolist() == ["finished"]
+
+
+def test_a_passage_is_the_first_change_of_sign_of_the_orbits(monkeypatch):
+    monkeypatch.setattr("liepoisson.noise.noise._NUMBERS", 50 * 15)  # many parts
+    start, options = np.tile([0, 0, 1.0], (5, 1)), {"noises": ["l1", "l2"], "method": STEP, "seed": 4}
+    found = lp.stochastic.first_passages(ROUND, start, function="l3", t_end=10, **options)
+    run = lp.stochastic.noisy_orbits(ROUND, start, times=np.linspace(0, 10, 501), **options)
+    first = (run.state[:, :, 2] <= 0).argmax(axis=1)
+    np.testing.assert_allclose(found.time, run.time[first], rtol=1e-14)
+    np.testing.assert_allclose(found.end_state, run.state[np.arange(5), first], atol=1e-13)
+
+
+def test_the_histogram_is_that_of_the_law_within_its_errors():
+    starts = np.tile([1.0, 0, 0], (100, 1))
+    options = {"transient": 8, "t_end": 28, "n_samples": 50, "method": lp.Splitting(step=0.05, order=2)}
+    law = lp.stochastic.stationary_law(ROUND, starts, "l3", edges=np.linspace(-1, 1, 5), noises=EACH, **options)
+    assert (np.abs(law.density - 0.5) < 4 * law.error).all()
+    assert law.error.max() < 0.05
+    np.testing.assert_allclose(law.fraction.sum(axis=1), 1)
+
+
+def test_a_histogram_in_parts_is_the_whole(monkeypatch):
+    options = {"edges": [-1, 0, 0.5], "noises": EACH, "transient": 1, "t_end": 3, "n_samples": 40, "method": STEP}
+    whole = lp.stochastic.stationary_law(ROUND, [[1, 0, 0], [np.nan, 0, 0]], "l3", **options)
+    monkeypatch.setattr("liepoisson.noise.noise._NUMBERS", 7 * 6)
+    parts = lp.stochastic.stationary_law(ROUND, [[1, 0, 0], [np.nan, 0, 0]], "l3", **options)
+    np.testing.assert_array_equal(parts.fraction, whole.fraction)
+    assert whole.outcome.tolist() == ["finished", "not finite"]
+    for wrong in ({"edges": [1, 0]}, {"transient": 3}, {"n_samples": 0}):
+        with pytest.raises(ParameterError):
+            lp.stochastic.stationary_law(ROUND, [1, 0, 0], "l3", **options | wrong)
+
+
+def test_the_exponent_of_a_damped_spin_is_the_mean_of_its_contraction():
+    r"""Noise that turns the sphere moves no two points apart, $H = l_3$ moves them at the rate $\frac\beta2 E\,l_3$.
+
+    It does in every direction, since the second derivative of $l_3$ on the sphere is $-l_3$ times the metric; and under
+    $e^{-\beta l_3}$ the mean of $-l_3$ is $\coth\beta - 1/\beta$.
+    """
+    spin, starts = lp.System(lp.so(3) @ lp.trivial(), "l3"), np.tile([1.0, 0, 0], (40, 1))
+    options = {"noises": EACH, "t_end": 100, "method": lp.Splitting(step=0.05, order=2)}
+    beta = 2.0
+    mean = lp.stochastic.noisy_exponents(spin, starts, inverse_temperature=beta, **options).mean
+    wanted = -beta / 2 * (1 / math.tanh(beta) - 1 / beta)
+    assert abs(mean.value - wanted) < 3 * mean.standard_error
+    free = lp.stochastic.noisy_exponents(spin, starts[:2], **options)
+    np.testing.assert_allclose(free.exponent, 0, atol=1e-14)
+    with pytest.raises(ParameterError, match="no points"):
+        lp.stochastic.noisy_exponents(spin, [0, 0, 0], **options)
