@@ -34,7 +34,7 @@ LAYERS = (
     {"report"},
     {"numeric"},
     {"leaf"},
-    {"indicators", "poincare"},
+    {"indicators", "poincare", "observations"},
     {"equilibrium", "rigid_body"},
     {"integrability", "orbits"},
     {"tori"},
