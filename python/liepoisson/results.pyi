@@ -45,6 +45,7 @@ from liepoisson.leaf.chart_orbit import ChartOrbit as ChartOrbit
 from liepoisson.leaf.orbit_bounds import Bounds as Bounds
 from liepoisson.model.discrete_symmetries import DiscreteSymmetries as DiscreteSymmetries
 from liepoisson.numeric.integrate import Orbit as Orbit
+from liepoisson.observations.orbit_fit import OrbitFit as OrbitFit
 from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
 from liepoisson.orbits.connections import ConnectingOrbit as ConnectingOrbit
 from liepoisson.orbits.connections import ConnectingOrbits as ConnectingOrbits

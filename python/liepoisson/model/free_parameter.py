@@ -116,6 +116,10 @@ class StateAndParameters:
 
     def field(self) -> QuadraticField | TapeField:
         """The vector field as plain data."""
+        return self._field
+
+    @cached_property
+    def _field(self) -> QuadraticField | TapeField:
         from liepoisson.compile.lowering import field_of_equations
 
         return field_of_equations(self.variables, self._rates)

@@ -24,15 +24,14 @@ from liepoisson.portable import linear
 
 NOTHING = 2.0**-26
 """Singular values below this part of the largest have squares that are its round-off."""
-_SMALL = 1e-8
-"""A step that changes the unknowns by this part of their standard errors is the last one."""
-_AT_ROUND_OFF = 1e-10
-"""Where residuals are round-off, the same for a change of the model's values, relative to those observed."""
+ROUND_OFF = 2.0**-52
+"""Of one operation.  Values that are wrong by the part e of their size shift a sum of squares $|r|^2$ by $e|r||y|$: a
+smaller decrease is not seen."""
 _FIRST_DAMPING = 1e-3
 """Of the largest singular value's square, which is of order 1 where columns have the length 1 (Nielsen)."""
 
 Residuals: TypeAlias = "Callable[[Array], tuple[Array, Array] | None]"
-"""Residuals and their derivatives at values of the unknowns, shapes (value,) and (value, unknown); None: they have none."""
+"""Residuals and their derivatives at values of the unknowns, shapes (value,) and (value, unknown), or None."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +122,7 @@ def minimum(
     bounds: tuple[Array, Array],
     *,
     size: float,
+    accuracy: float,
     most_steps: int,
     is_late: Callable[[], bool],
     tell: Callable[[float], None],
@@ -134,6 +134,7 @@ def minimum(
         guess: Where the search begins.
         bounds: Least and largest values of the unknowns.
         size: The length of the observed values in the same units.
+        accuracy: Relative error of the model's values.
         most_steps: Most accepted steps.
         is_late: Whether the time is over.
         tell: Hears what fraction is done.
@@ -147,8 +148,8 @@ def minimum(
         r, J = found
         frame = Frame.of(J, _held(u, r, J, low, high))
         change, length = frame.change(r), float(linear.norm(r))
-        dof = r.size - frame.rank
-        if change <= _SMALL * length / np.sqrt(max(dof, 1)):
+        seen = length * max(size, length)
+        if change**2 <= ROUND_OFF * seen:
             return Minimum(u, frame, _settled(frame), n)
         tell(n / (most_steps + 1))
         if n == most_steps:
@@ -158,8 +159,8 @@ def minimum(
                 return Minimum(u, frame, "time limit", n)
             new = np.clip(u + frame.step(r, damping), low, high)
             moved = linear.matmul(J, new - u)
-            if linear.norm(moved) <= 2.0**-52 * max(size, length):  # no shorter step is felt
-                ending = _settled(frame) if change <= _AT_ROUND_OFF * max(size, length) else "no progress"
+            if linear.norm(moved) <= ROUND_OFF * max(size, length):  # no shorter step is felt
+                ending = _settled(frame) if change**2 <= accuracy * seen else "no progress"
                 return Minimum(u, frame, ending, n)
             predicted = -float(linear.matmul(moved, 2 * r + moved))
             tried = residuals(new)

@@ -335,8 +335,8 @@ def _deviations(
         if bad := np.flatnonzero(seen & ~(least & np.isfinite(column))).tolist():
             kind = "weights that are not negative" if is_weight else "standard deviations above 0"
             raise ParameterError(
-                f"{what}: wanted {kind}; {name} has {column[bad[0]]:g} in row {bad[0] + 1}; leave the value empty if it "
-                "is missing"
+                f"{what}: wanted {kind}; {name} has {column[bad[0]]:g} in row {bad[0] + 1}; leave the value empty if "
+                "it is missing"
             )
         with np.errstate(divide="ignore", invalid="ignore"):
             found[:, k] = np.where(column > 0, 1 / np.sqrt(column), np.nan) if is_weight else column

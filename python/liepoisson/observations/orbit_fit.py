@@ -31,6 +31,8 @@ from liepoisson.observations.least_squares import NOTHING, Minimum, minimum, und
 from liepoisson.observations.observations import Observations, as_observations
 from liepoisson.observations.sensitivities import Model, Prediction
 
+_OF_ORBITS = 2.0**-42
+"""Relative error of an orbit to round-off: some thousand operations."""
 _N_CURVE = 1001
 """Times of a curve between observations."""
 
@@ -334,6 +336,7 @@ def orbit_fit(
             guess,
             (low, high),
             size=size,
+            accuracy=max(_OF_ORBITS, getattr(options.method, "tol", 0.0)),
             most_steps=n_steps,
             is_late=lambda: options.is_late,
             tell=options.tell,
