@@ -150,7 +150,7 @@ def minimum(
         change, length = frame.change(r), float(linear.norm(r))
         seen = length * max(size, length)
         if change**2 <= ROUND_OFF * seen:
-            return Minimum(u, frame, _settled(frame), n)
+            return Minimum(np.clip(u + frame.step(r, 0.0), low, high), frame, _settled(frame), n)
         tell(n / (most_steps + 1))
         if n == most_steps:
             return Minimum(u, frame, "most steps", n)

@@ -282,9 +282,7 @@ def _formulas(columns: Any, table: Mapping[str, Any], own: set[str]) -> dict[str
 def _numbers(column: Any, name: str) -> Array:
     """A column as doubles; NaN where a value is missing."""
     array = np.ma.asanyarray(column)
-    if np.ma.is_masked(array):
-        array = array.astype(object).filled(None)
-    plain = np.asarray(array.data if isinstance(array, np.ma.MaskedArray) else array)
+    plain = array.astype(np.float64).filled(np.nan) if np.ma.is_masked(array) else np.asarray(array.data)
     if plain.ndim != 1:
         raise ShapeError(f"data: wanted one number in each row; {name} has the shape {plain.shape}; give it in columns")
     if plain.dtype.kind in "fiu":

@@ -58,7 +58,7 @@ class OrbitFit(Result):
         runs: Names of the runs.
         guess_start: Starts where the search began, shape (trajectory, component).
         start_time: The time of each start, shape (trajectory,).
-        run: Place of the run of each row, shape (row,).
+        run_of: Place of the run of each row, shape (row,).
         time: Times of the observations, shape (row,).
         observed: What was observed, NaN where it is missing, shape (row, observable).
         deviation: Its standard deviations, or numbers proportional to them.
@@ -95,7 +95,7 @@ class OrbitFit(Result):
     method: Method = recorded(method_record, method_of)
     guess_start: Array = labelled("trajectory", "component", long_name="state where the search began")
     start_time: Array = labelled("trajectory", long_name="time of the start")
-    run: NDArray[np.int64] = labelled("row", long_name="place of the run", units="1", numbers="trajectory")
+    run_of: NDArray[np.int64] = labelled("row", long_name="place of the run", units="1", numbers="trajectory")
     time: Array = labelled("row", long_name="time")
     observed: Array = labelled("row", "observable", long_name="observed value")
     deviation: Array = labelled("row", "observable", long_name="standard deviation")
@@ -139,7 +139,7 @@ class OrbitFit(Result):
     def observations(self) -> Observations:
         """What was observed."""
         return Observations.of_arrays(
-            names=self.observables, runs=self.runs, run=self.run, time=self.time, value=self.observed,
+            names=self.observables, runs=self.runs, run=self.run_of, time=self.time, value=self.observed,
             deviation=self.deviation, errors_are_known=self.errors_are_known,
         )  # fmt: skip
 
@@ -193,8 +193,8 @@ class OrbitFit(Result):
         as_count(run, "run", most=len(self.runs) - 1)
         n = as_count(n_times, "n_times", least=2, most=10_000_000)
         model, begin = self._model, float(self.start_time[run])
-        last = float(self.time[self.run == run].max())
-        times = np.linspace(min(begin, float(self.time[self.run == run].min())), last, n)
+        last = float(self.time[self.run_of == run].max())
+        times = np.linspace(min(begin, float(self.time[self.run_of == run].min())), last, n)
         state = model.starts(self.start, self.value)[run]
         if last == begin:
             return times[:1], model.values(state[None])
@@ -380,7 +380,7 @@ def _result(
         unknowns=names,
         runs=data.runs,
         method=options.method,
-        run=data.run,
+        run_of=data.run,
         time=data.time,
         observed=data.value,
         deviation=data.deviation,

@@ -221,11 +221,10 @@ def _function(system: EquationsOfMotion, name: str) -> Expr:
     try:
         return system.expression(name)
     except LiePoissonError as error:
-        why = error.within_formula() if isinstance(error, ExpressionError) else str(error)
+        why = error.message if isinstance(error, ExpressionError) else str(error)
         raise ParameterError(
-            f"observations: wanted columns that are functions of the state; got {name!r:.80}: {why} "
-            f"{did_you_mean(name, system.component_names)}The components are "
-            f"{', '.join(system.component_names):.120}; say which function it is, or which columns to compare: columns="
+            f"observations: wanted columns that are functions of the state; got {name!r:.80}: {why.rstrip('.')}. Say "
+            "what it is, or which columns are compared: columns="
         ) from error
 
 
