@@ -7,7 +7,7 @@ import io
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self, TypeAlias, cast
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.given import by_name, is_data_set, is_named, labelled, listed_names, named
+from liepoisson.inputs.given import is_data_set, labelled, listed_names, named
 from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.files import read_text
 from liepoisson.io.tables import Tabular
@@ -96,8 +96,8 @@ class Observations(ReadOnlyArrays):
         spread = errors if errors is not None else weights
         clock = _time_column(time, table)
         own = {clock} if run is None else {clock, _known(run, table, "run")}
-        by_column = is_named(spread) and not isinstance(spread, str)
-        given = [*cast("Mapping[str, Any]", spread).values()] if by_column else [spread]
+        by_column = _by_column(spread, "errors" if weights is None else "weights")
+        given = [spread] if by_column is None else [*by_column.values()]
         own |= {_known(one, table, "errors") for one in given if isinstance(one, str)}
         formulas = _formulas(columns, table, own)
         self.names = tuple(formulas.values())
@@ -176,7 +176,7 @@ def _table(data: Any) -> dict[str, Any]:
         found = {name: data[name] for name in data.columns}
     else:
         read = labelled(data, "data")
-        by_label = read.by_label("data") if read is not None else named(data, "data") if is_named(data) else None
+        by_label = read.by_label("data") if read is not None else named(data, "data")
         if by_label is None:
             raise ParameterError(
                 f'data: wanted columns with names; got {shown(data)}; write {{"t": times, "theta": values}}, or give a '
@@ -250,12 +250,17 @@ def _time_column(time: str | None, table: Mapping[str, Any]) -> str:
     return found[0]
 
 
+def _by_column(given: Any, what: str) -> dict[Any, Any] | None:
+    """What is said for each column; None where one thing is said, or names in order."""
+    return None if isinstance(given, str) else named(given, what)
+
+
 def _formulas(columns: Any, table: Mapping[str, Any], own: set[str]) -> dict[str, str]:
     """The function of the state of each column that is compared."""
     if columns is None:
         found = {name: name for name in table if name not in own}
-    elif is_named(columns):
-        found = dict(by_name(columns, "columns", "functions of the state", '{"pen": "atan2(alpha2, alpha1)"}'))
+    elif (by := _by_column(columns, "columns")) is not None:
+        found = by
     else:
         items = None if isinstance(columns, str) else listed_names(columns, "columns")
         if items is None:
@@ -311,8 +316,7 @@ def _deviations(
     found = np.ones_like(value)
     if spread is None:
         return found
-    if is_named(spread):
-        by_column = by_name(spread, what, "numbers or columns", '{"theta": 0.01}')
+    if (by_column := _by_column(spread, what)) is not None:
         for name in by_column:
             if name not in formulas:
                 hint = did_you_mean(name, formulas)

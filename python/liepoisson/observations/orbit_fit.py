@@ -46,9 +46,9 @@ class OrbitFit(Result):
         >>> observed = {"t": [0.0, 0.25, 0.5, 0.75, 1.0], "q": [0.201, 0.143, 0.003, -0.142, -0.200]}
         >>> fit = lp.fits.orbit_fit(pendulum, observed, ["g", "q", "p_q"], starts={"p_q": 0})
         >>> fit
-        <OrbitFit of Hamiltonian system: converged, 3 unknowns of 5 values, g = 9.93 ± 0.08, ...>
+        <OrbitFit of Hamiltonian system: converged, 3 unknowns of 5 values, g = 10.0 ± 0.2, ...>
         >>> {name: round(float(z), 2) for name, z in zip(fit.unknowns, fit.value)}
-        {'g': 9.93, 'q(t0)': 0.2, 'p_q(t0)': 0.01}
+        {'g': 10.04, 'q(t0)': 0.2, 'p_q(t0)': 0.01}
 
     Attributes:
         system: The system, as it was given: its parameters are the guess.
@@ -160,6 +160,12 @@ class OrbitFit(Result):
         return self.n_values - int((self.singular > NOTHING * self.singular.max(initial=0.0)).sum())
 
     @property
+    def scatter(self) -> float:
+        r"""$\sqrt{\chi^2/\mathrm{dof}}$: near 1 where errors are right; without errors that of a value of weight 1."""
+        dof = self.degrees_of_freedom
+        return float(np.sqrt(self.chi_squared / dof)) if dof > 0 else float(np.nan)
+
+    @property
     def correlation(self) -> Array:
         """Correlations of the unknowns, shape (unknown, unknown); NaN for what is not determined."""
         with np.errstate(all="ignore"):
@@ -211,15 +217,16 @@ class OrbitFit(Result):
         width = max(map(len, self.unknowns))
         lines = [repr(self)]
         lines += [
-            f"  {name:<{width}} = {_with_error(z, e)}"
+            f"  {name:<{width}} = {with_error(z, e)}"
             for name, z, e in zip(self.unknowns, self.value, self.error, strict=True)
         ]
         dof = self.degrees_of_freedom
-        rms = np.sqrt(self.chi_squared / dof) if dof else np.nan
         if self.errors_are_known:
             lines.append(f"chi^2 = {self.chi_squared:.4g} with {counted(dof, 'degree')} of freedom")
         else:
-            lines.append(f"error of a value, from the residuals: {rms:.3g}, with {counted(dof, 'degree')} of freedom")
+            lines.append(
+                f"error of a value, from the residuals: {self.scatter:.3g}, with {counted(dof, 'degree')} of freedom"
+            )
         near = np.argwhere(np.triu(np.abs(self.correlation) > _CLOSE, 1))
         lines += [
             f"correlation of {self.unknowns[i]} and {self.unknowns[j]}: {self.correlation[i, j]:+.3f}" for i, j in near
@@ -227,7 +234,7 @@ class OrbitFit(Result):
         return "\n".join([*lines, *(f"not determined: {words}" for words in self.undetermined)])
 
     def __repr__(self) -> str:
-        first = f"{self.unknowns[0]} = {_with_error(self.value[0], self.error[0])}" + ", ..." * (len(self.unknowns) > 1)
+        first = f"{self.unknowns[0]} = {with_error(self.value[0], self.error[0])}" + ", ..." * (len(self.unknowns) > 1)
         what = f"{counted(len(self.unknowns), 'unknown')} of {counted(self.n_values, 'value')}"
         return f"<OrbitFit of {self.system.name}: {self.ending}, {what}, {first}>"
 
@@ -236,7 +243,7 @@ _CLOSE = 0.9
 """Correlations above are printed."""
 
 
-def _with_error(value: float, error: float) -> str:
+def with_error(value: float, error: float) -> str:
     """A value with its error to one digit, or two where it begins with 1: "9.93 ± 0.08"."""
     if np.isinf(error):
         return f"{value:.6g}, not determined"
@@ -276,10 +283,10 @@ def orbit_fit(
         >>> body = lp.System(lp.so(3) @ lp.trivial(), "dot(l, inv(I)*l)/2", {"I": [1, 2, 3]})
         >>> run = lp.integrate(body, [1, 0.5, 0.2], times=np.linspace(0, 10, 41))
         >>> rates = {"t": run.time} | {f"l{k}/I{k}": run.state[0, :, k - 1] / k for k in (1, 2, 3)}
-        >>> fit = lp.fits.orbit_fit(body, rates, ["I", "l"])  # a gyroscope does not see the scale of the moments
+        >>> fit = lp.fits.orbit_fit(body, rates, ["I", "l"], starts=[1, 0.5, 0.2])  # what a gyroscope sees
         >>> fit.undetermined
         ('only the ratios of I1, I2, I3, l1(t0), l2(t0), l3(t0)',)
-        >>> lp.fits.orbit_fit(body, rates, ["I2", "I3", "l"]).undetermined
+        >>> lp.fits.orbit_fit(body, rates, ["I2", "I3", "l"], starts=[1, 0.5, 0.2]).undetermined
         ()
 
     Args:
