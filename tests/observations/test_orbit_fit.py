@@ -1,5 +1,7 @@
 """Models beside observed orbits: known parameters, errors that are kept, and what data cannot tell."""
 
+import inspect
+
 import numpy as np
 import pytest
 
@@ -241,6 +243,25 @@ def test_a_step_that_ends_early_is_tried_shorter(start):
     fit = fit_of(falls, {"t": t, "x": 1 / (1 - 0.5 * t)}, ["k"])
     assert fit.ending == "converged"
     assert fit.value[0] == pytest.approx(0.5, abs=1e-10)
+
+
+def test_a_fit_records_what_it_was_given():
+    given = {"unknowns": ("I3", "I2"), "starts": TUMBLE.state[0, :1], "start_time": [-1.0], "most_steps": 7}
+    bounds = {"I2": (1.0, 5.0), "I3": (-np.inf, np.inf)}
+    fit = fit_of(
+        body(1, "2.1", "2.8"), moments(3), bounds=bounds, method=lp.Taylor(tol=1e-12), time_limit=77.0, **given
+    )
+    found = fit.arguments()
+    taken = {*inspect.signature(fit_of).parameters} - {"system", "threads", "time_limit", "progress"}
+    assert found.keys() == taken
+    assert {name: found[name] for name in ("unknowns", "bounds", "method", "most_steps")} == {
+        "unknowns": ("I3", "I2"), "bounds": bounds, "method": lp.Taylor(tol=1e-12), "most_steps": 7,
+    }  # fmt: skip
+    assert (found["starts"].tolist(), found["start_time"].tolist()) == (given["starts"].tolist(), [-1])
+    for name in ("names", "runs", "errors_are_known"):
+        assert getattr(found["observed"], name) == getattr(moments(3), name)
+    for name in ("run", "time", "value", "deviation"):
+        np.testing.assert_array_equal(getattr(found["observed"], name), getattr(moments(3), name))
 
 
 def test_a_fit_has_a_table_a_system_and_curves():
