@@ -1,4 +1,11 @@
-"""A handle that turns over and over: moments of inertia from a gyroscope, with their errors."""
+"""Moments of inertia from a gyroscope that turns over.
+
+A free body spins about its middle axis and turns over. Angular velocities with errors, of which one is not seen for a
+while, give the ratios of the moments and the momenta at the start by least squares, with exact derivatives of the
+orbit. Below are the residuals in units of the errors, with the band of two of them.
+
+Read on: [fits to observed orbits](../fits-to-data.md), [tops](../tops.md).
+"""
 
 import numpy as np
 
@@ -19,3 +26,4 @@ seen = lp.fits.Observations(
 guess = lp.System(lp.so(3) @ lp.trivial(), ENERGY, {"I": [1, "2.1", "3.1"]}, name="handle")
 fit = lp.fits.orbit_fit(guess, seen, ["I2", "I3", "l"], starts=[0.02, 2, 0.04])
 figure = lp.plot.orbit_fit(fit)
+lp.plot.save_figure(figure, "fit", formats=["png"])

@@ -66,6 +66,7 @@ COMMANDS = {
     "melnikov": "periodic",
     "diagram": "tori",
     "critical": "tori",
+    "fit": "fit",
     "sweep": "sweep",
     "lab": "lab",
     "cite": "literature",

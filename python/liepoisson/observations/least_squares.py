@@ -105,13 +105,13 @@ class Minimum:
 
     Attributes:
         unknown: The values, shape (unknown,).
-        frame: The derivatives there; None where there are none.
+        held: Which unknowns are at a bound that the minimum lies beyond, shape (unknown,).
         ending: "converged", "at a bound", "no progress", "most steps", "no trajectory" or "time limit".
         n_steps: Accepted steps.
     """
 
     unknown: Array
-    frame: Frame | None
+    held: NDArray[np.bool_]
     ending: str
     n_steps: int
 
@@ -142,7 +142,7 @@ def minimum(
     low, high = bounds
     u = np.clip(guess, low, high)
     if (found := residuals(u)) is None:
-        return Minimum(u, None, "time limit" if is_late() else "no trajectory", 0)
+        return Minimum(u, low >= high, "time limit" if is_late() else "no trajectory", 0)
     damping, factor = _FIRST_DAMPING, 2.0
     for n in range(most_steps + 1):
         r, J = found
@@ -150,18 +150,18 @@ def minimum(
         change, length = frame.change(r), float(linear.norm(r))
         seen = length * max(size, length)
         if change**2 <= ROUND_OFF * seen:
-            return Minimum(np.clip(u + frame.step(r, 0.0), low, high), frame, _settled(frame), n)
+            return Minimum(np.clip(u + frame.step(r, 0.0), low, high), frame.held, _settled(frame), n)
         tell(n / (most_steps + 1))
         if n == most_steps:
-            return Minimum(u, frame, "most steps", n)
+            return Minimum(u, frame.held, "most steps", n)
         while True:
             if is_late():
-                return Minimum(u, frame, "time limit", n)
+                return Minimum(u, frame.held, "time limit", n)
             new = np.clip(u + frame.step(r, damping), low, high)
             moved = linear.matmul(J, new - u)
             if linear.norm(moved) <= ROUND_OFF * max(size, length):  # no shorter step is felt
                 ending = _settled(frame) if change**2 <= accuracy * seen else "no progress"
-                return Minimum(u, frame, ending, n)
+                return Minimum(u, frame.held, ending, n)
             predicted = -float(linear.matmul(moved, 2 * r + moved))
             tried = residuals(new)
             gained = -1.0 if tried is None else float(linear.matmul(r - tried[0], r + tried[0]))

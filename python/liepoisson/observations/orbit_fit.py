@@ -27,7 +27,7 @@ from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import MethodChoice, method_of, method_record
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_states, given_starts
-from liepoisson.observations.least_squares import NOTHING, Minimum, minimum, undetermined
+from liepoisson.observations.least_squares import NOTHING, Frame, Minimum, minimum, undetermined
 from liepoisson.observations.observations import Observations, as_observations
 from liepoisson.observations.sensitivities import Model, Prediction
 
@@ -359,12 +359,15 @@ def _result(
     model: Model, found: Minimum, prediction: Prediction, options: RunOptions, given: Mapping[str, Any]
 ) -> OrbitFit:
     """The result of a search that has ended."""
-    data, m, frame = model.observed, len(model.unknowns), found.frame
+    data, m = model.observed, len(model.unknowns)
     names = tuple(one.name for one in model.unknowns)
     residual = -model.residuals(prediction.value)
     error, covariance = np.full(m, np.nan), np.full((m, m), np.nan)
     null, singular, words = np.zeros((0, m)), np.zeros(0), ()
-    if frame is not None:
+    seen = np.isfinite(data.value)
+    derivative = prediction.derivative[seen] / data.deviation[seen][:, None]
+    if np.isfinite(derivative).all():
+        frame = Frame.of(derivative, found.held)
         null, singular = frame.null, frame.singular
         words = undetermined(names, found.unknown, null)
         dof = data.n_values - frame.rank
