@@ -47,7 +47,7 @@ def test_tangents_along_parameters_are_derivatives_of_orbits():
     r"""The oscillator $\ddot q = -k q$: $q = q_0\cos\omega t + (p_0/\omega)\sin\omega t$, with $\omega = \sqrt k$."""
     system = lp.System(lp.canonical(1, names=["q"]), "p_q^2/2 + k*q^2/2", {"k": 4})
     t, q, p, w = np.linspace(0, 5, 11), 0.5, 0.3, 2.0
-    model = Model(system, Observations({"t": t, "q": t, "k*q": t}), ["k", "q", "p_q"])
+    model = Model(system, Observations({"t": t, "q": t, "k*q": t}), ["k", "q", "p_q"], np.array([[q, p]]))
     start = np.array([[q, p, w**2]])
     found = model.prediction(start, np.zeros(1), RunOptions.read(default=lp.Taylor()))
     x = q * np.cos(w * t) + p / w * np.sin(w * t)
@@ -56,6 +56,15 @@ def test_tangents_along_parameters_are_derivatives_of_orbits():
     np.testing.assert_allclose(found.value, np.stack([x, w**2 * x], axis=1), atol=1e-13)
     np.testing.assert_allclose(found.derivative[:, 0], slopes, atol=1e-13)
     np.testing.assert_allclose(found.derivative[:, 1], w**2 * slopes + np.outer(x, [1, 0, 0]), atol=1e-12)
+
+
+def test_large_parameters_take_nothing_from_the_accuracy_of_orbits():
+    """A mass on a spring, 1e9 times as heavy and as stiff: without units the last nine digits are lost."""
+    system = lp.System(lp.canonical(1, names=["q"]), "1e9*(p_q^2/(2*m) + k*q^2/(2*m))", {"m": 10**9, "k": 1})
+    t = np.linspace(0, 50, 101)
+    fit = fit_of(system, {"t": t, "q": np.cos(t)}, ["m", "p_q"], starts={"p_q": 0})
+    np.testing.assert_allclose(fit.predicted[:, 0], np.cos(t), atol=1e-13)
+    np.testing.assert_allclose(fit.value, [1e9, 0], rtol=1e-13, atol=1e-13)
 
 
 SYSTEMS = {
@@ -78,10 +87,10 @@ def test_sensitivities_are_central_differences_of_the_original_orbits(name):
     system, names = SYSTEMS[name]
     components, times = system.component_names, 1.5 + np.linspace(0, 2, 5)
     data = Observations({"t": times, components[0]: times, f"2*{components[1]}": times})
-    model = Model(system, data, names)
     guess = np.array([np.linspace(0.5, 1, len(components))])
-    if model.clock is not None:
-        guess[0, model.clock] = 1.5
+    if name == "drive":
+        guess[0, components.index("t")] = 1.5
+    model = Model(system, data, names, guess)
     options = RunOptions.read(default=lp.Taylor())
     values = np.concatenate([model.numbers, [guess[0, one.place] for one in model.unknowns if one.run is not None]])
 
@@ -200,8 +209,14 @@ def test_residuals_of_an_angle_are_taken_modulo_a_turn():
     fit = fit_of(pendulum("2.1"), seen, ["g", "p_theta"], starts=[0.1, 3.9])
     np.testing.assert_allclose(fit.value, [2, 4], atol=1e-10)
     top = lp.Top.heavy(inertia=(2, 1.5, 1), a=(0, 0, 1))
-    assert Model(top, Observations({"t": [0], "2*atan2(alpha2, alpha1)": [0]}), []).turns == pytest.approx(4 * np.pi)
-    assert Model(system, Observations({"t": [0], "cos(theta)": [0]}), []).turns == np.inf
+    turns = {
+        "2*atan2(alpha2, alpha1)": (top, 4 * np.pi),
+        "cos(theta)": (system, np.inf),
+        "3*theta/2": (system, 3 * np.pi),
+    }
+    for column, (of, turn) in turns.items():
+        model = Model(of, Observations({"t": [0], column: [0]}), [], np.zeros((1, len(of.component_names))))
+        assert model.turns == pytest.approx(turn)
 
 
 def test_time_is_that_of_the_observations():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
@@ -38,8 +39,6 @@ START_HELP = (
 )
 START_TIME_HELP = "Time of the start.  [default: that of the first observation of each run]"
 
-_ENDED_WELL = ("converged", "at a bound")
-
 
 def fit(
     system: SystemArgument,
@@ -63,7 +62,7 @@ def fit(
     The parameters of the system, with --set, are the guess.  Values come with standard errors.
     """
     from liepoisson.observations.observations import Observations
-    from liepoisson.observations.orbit_fit import orbit_fit
+    from liepoisson.observations.orbit_fit import ENDED_WELL, orbit_fit
 
     check_limits(time_limit=time_limit)
     chosen = read_numeric_equations(system, common.values)
@@ -86,7 +85,7 @@ def fit(
 
         written += write_figure(draw(found), stem)
     show(found, format_, fit_record, text=lambda _: "\n".join([str(found), *(f"wrote    {one}" for one in written)]))
-    if found.ending not in _ENDED_WELL:
+    if found.ending not in ENDED_WELL:
         print(f"liepoisson: the search did not converge ({found.ending}); try another guess.", file=sys.stderr)
         raise typer.Exit(NO_RUN)
 
@@ -97,15 +96,20 @@ def fit_record(found: OrbitFit) -> dict[str, Any]:
         "system": found.system.name,
         "ending": found.ending,
         "values": {
-            name: {"value": float(value), "error": float(error)}
+            name: {"value": float(value), "error": _or_null(error)}
             for name, value, error in zip(found.unknowns, found.value, found.error, strict=True)
         },
-        "covariance": found.covariance.tolist(),
+        "covariance": [[_or_null(value) for value in row] for row in found.covariance],
         "chi_squared": found.chi_squared,
         "degrees_of_freedom": found.degrees_of_freedom,
         "errors_are_known": found.errors_are_known,
         "undetermined": list(found.undetermined),
     }
+
+
+def _or_null(value: float) -> float | None:
+    """A number that JSON has."""
+    return float(value) if math.isfinite(value) else None
 
 
 def _columns(given: Sequence[str] | None) -> dict[str, str] | None:

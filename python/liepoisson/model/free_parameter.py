@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -102,9 +103,11 @@ class StateAndParameters:
     Args:
         symbolic: The system, with the parameters as symbols.
         names: The parameters.
+        units: In which the coordinates are, numbers without rounding such as powers of two; by default 1.  A norm of
+            the state, by which methods choose steps, has those of the parameters, too.
     """
 
-    def __init__(self, symbolic: System | VectorField, *names: str) -> None:
+    def __init__(self, symbolic: System | VectorField, *names: str, units: Sequence[float] | None = None) -> None:
         from sympy import S, Symbol
 
         self.name = symbolic.name
@@ -112,7 +115,12 @@ class StateAndParameters:
         self.variables: tuple[Symbol, ...] = (*symbolic.variables, *self.parameters)
         self.component_names = self.parts_of_state = (*symbolic.component_names, *names)
         self._symbolic = symbolic
-        self._rates = (*symbolic.equations.values(), *(cast("Expr", S.Zero) for _ in names))
+        rates: Any = tuple(symbolic.equations.values())
+        if units is not None:
+            scales = zip(self.parameters, map(Fraction, units), strict=True)
+            scaled: Any = {p: p * S(unit.numerator) / unit.denominator for p, unit in scales}
+            rates = tuple(rate.xreplace(scaled) for rate in rates)
+        self._rates = (*rates, *(cast("Expr", S.Zero) for _ in names))
 
     def field(self) -> QuadraticField | TapeField:
         """The vector field as plain data."""

@@ -39,12 +39,14 @@ class Frame:
     """Derivatives at some values of the unknowns, in units in which each column has the length 1.
 
     Attributes:
-        unit: Of each unknown, shape (unknown,).
+        unit: Of each unknown, shape (unknown,): the change that changes the model's values by 1.
+        is_felt: Whether a change of an unknown changes any value; the unit is 1 where none does.
         held: Whether an unknown stays where it is: at a bound.
         left, singular, right: The decomposition of the derivatives by those that are not held.
     """
 
     unit: Array
+    is_felt: NDArray[np.bool_]
     held: NDArray[np.bool_]
     left: Array
     singular: Array
@@ -57,9 +59,9 @@ class Frame:
         unit = 1.0 / np.where(length > 0, length, 1.0)
         scaled = (derivative * unit)[:, ~held]
         if not scaled.shape[1]:
-            return cls(unit, held, np.zeros((len(scaled), 0)), np.zeros(0), np.zeros((0, 0)))
+            return cls(unit, length > 0, held, np.zeros((len(scaled), 0)), np.zeros(0), np.zeros((0, 0)))
         found = linear.svd(scaled, full_matrices=False)
-        return cls(unit, held, found.U, found.S, found.Vh)
+        return cls(unit, length > 0, held, found.U, found.S, found.Vh)
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -183,37 +185,47 @@ def _settled(frame: Frame) -> str:
     return "at a bound" if frame.held.any() else "converged"
 
 
-def undetermined(names: tuple[str, ...], values: Array, null: Array) -> tuple[str, ...]:
+def undetermined(names: tuple[str, ...], values: Array, frame: Frame, size: float) -> tuple[str, ...]:
     """What the data do not tell, in words: changes of the unknowns that change no value.
 
-    Each direction is a combination of relative changes; a number that is zero changes by an amount.  Combinations are
-    chosen so that each has an unknown which the others do not have.
+    Each is a combination of relative changes.  A number that is zero, or so small that the model does not feel it,
+    changes by an amount.  Combinations are chosen so that each has an unknown which the others do not have.
+
+    Args:
+        names: Of the unknowns.
+        values: Theirs.
+        frame: The derivatives.
+        size: The length of the observed values in units of their errors.
     """
-    is_zero = values == 0
-    relative = null / np.where(is_zero, 1.0, values)
-    rows = _echelon(relative)
-    return tuple(_words(names, row, is_zero) for row in rows)
+    felt = np.abs(values) > NOTHING * size * frame.unit
+    is_zero = ~felt & (frame.is_felt | (values == 0))
+    rows = sorted(_echelon(frame.vectors(~frame.known)), key=lambda row: int(np.flatnonzero(row)[0]))
+    return tuple(_words(names, row * frame.unit, values, is_zero) for row in rows)
 
 
 def _echelon(rows: Array) -> Array:
     """The same space by rows of which each has an entry 1, the largest, where the others have 0."""
-    rows = rows / np.abs(rows).max(axis=1, keepdims=True, initial=0.0) if len(rows) else rows
     for k in range(len(rows)):
         i, j = np.unravel_index(np.argmax(np.abs(rows[k:])), rows[k:].shape)
         rows[[k, k + i]] = rows[[k + i, k]]
         rows[k] /= rows[k, j]
         others = np.arange(len(rows)) != k
         rows[others] -= rows[others, j][:, None] * rows[k]
-        rows = np.where(np.abs(rows) > NOTHING * np.abs(rows).max(axis=1, keepdims=True), rows, 0.0)
-    return rows
+    return np.where(np.abs(rows) > NOTHING, rows, 0.0)
 
 
-def _words(names: tuple[str, ...], row: Array, is_zero: NDArray[np.bool_]) -> str:
+def _words(names: tuple[str, ...], row: Array, values: Array, is_zero: NDArray[np.bool_]) -> str:
+    """A change of the unknowns, scaled so that the largest relative one is 1 in 100."""
     moving = np.flatnonzero(row)
     if len(moving) == 1:
         return f"{names[moving[0]]} changes no observed value"
-    if np.all(np.abs(row[moving] - 1) <= NOTHING) and not is_zero[moving].any():
+    relative = np.array([row[k] if is_zero[k] else row[k] / values[k] for k in moving])
+    amounts = is_zero[moving]
+    largest = np.abs(relative[~amounts] if not amounts.all() else relative).max()
+    relative *= np.sign(relative[0]) / largest
+    if not amounts.any() and np.all(np.abs(relative - 1) <= NOTHING):
         return f"only the ratios of {', '.join(names[k] for k in moving)}"
-    parts = [f"{names[k]} {row[k]:+.3g}" + ("" if is_zero[k] else "%") for k in moving]
-    scale = " (in hundredths)" if is_zero[moving].any() else ""
-    return f"{', '.join(parts)}{scale} together change no observed value"
+    per = 1.0 if amounts.all() else 0.01
+    changes = [f"{per * r:+.3g}" if amount else f"{r:+.3g}%" for r, amount in zip(relative, amounts, strict=True)]
+    parts = [f"{names[k]} {change}" for k, change in zip(moving, changes, strict=True)]
+    return f"{', '.join(parts)} together change no observed value"

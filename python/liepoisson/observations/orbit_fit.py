@@ -17,11 +17,11 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_finite, as_numbe
 from liepoisson.inputs.arrays import Array, check_finite, read_only
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import by_name, is_named, listed, listed_names, named
-from liepoisson.inputs.refusals import counted, shown
+from liepoisson.inputs.refusals import counted, not_a_system, shown
 from liepoisson.io.result import Result, labelled, names_along, recorded
 from liepoisson.io.tables import Tabular
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.free_parameter import with_values
-from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.method.method import Method
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import MethodChoice, method_of, method_record
@@ -29,10 +29,12 @@ from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_states, given_starts
 from liepoisson.observations.least_squares import NOTHING, Frame, Minimum, minimum, undetermined
 from liepoisson.observations.observations import Observations, as_observations
-from liepoisson.observations.sensitivities import Model, Prediction
+from liepoisson.observations.sensitivities import Model, Prediction, clock_of, parts_of
 
 _OF_ORBITS = 2.0**-42
 """Relative error of an orbit to round-off: some thousand operations."""
+ENDED_WELL = ("converged", "at a bound")
+"""How a search ends at a minimum."""
 _N_CURVE = 1001
 """Times of a curve between observations."""
 
@@ -66,7 +68,8 @@ class OrbitFit(Result):
         lower, upper: Bounds of the unknowns, shape (unknown,).
         guess: Where the search began.
         value: The least-squares values of the unknowns, shape (unknown,).
-        error: Their standard errors; infinite for what is not determined, NaN at a bound.
+        error: Their standard errors; infinite for what is not determined, NaN at a bound and where the search did not
+            converge.
         covariance: Of the unknowns, shape (unknown, unknown).
         null: Directions in the unknowns that change no observed value, shape (direction, unknown).
         singular: Singular values of the derivatives with columns of length 1, falling.
@@ -184,7 +187,7 @@ class OrbitFit(Result):
 
     @cached_property
     def _model(self) -> Model:
-        return Model(self.system, self.observations, self.wanted)
+        return Model(self.system, self.observations, self.wanted, self.guess_start)
 
     def curve(self, run: int = 0, *, n_times: int = _N_CURVE) -> tuple[Array, Array]:
         """What the fitted model says between the start of a run and its last observation.
@@ -200,11 +203,10 @@ class OrbitFit(Result):
         n = as_count(n_times, "n_times", least=2, most=10_000_000)
         model, begin = self._model, float(self.start_time[run])
         last = float(self.time[self.run_of == run].max())
-        times = np.linspace(min(begin, float(self.time[self.run_of == run].min())), last, n)
+        times = np.linspace(begin, last, n) if last > begin else np.array([begin])
         state = model.starts(self.start, self.value)[run]
-        if last == begin:
-            return times[:1], model.values(state[None])
-        return times, model.values(integrate(model.space, state, times=times, method=self.method).state[0])
+        found, _, _ = model.orbit(state, np.zeros((0, len(state))), begin, times, method=self.method)
+        return times, model.values(found)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each unknown its name, value, standard error, guess and bounds."""
@@ -314,10 +316,12 @@ def orbit_fit(
     """
     options = RunOptions.read(method, threads, time_limit, progress, default=Taylor(), system=system)
     data, wanted = as_observations(observed), _as_names(unknowns)
-    model = Model(system, data, wanted)
+    if not isinstance(system, EquationsOfMotion):
+        raise not_a_system(system)
     n_steps = as_count(most_steps, "most_steps", least=1, most=1_000_000)
     begins = _as_start_times(start_time, data)
-    states = _as_guesses(model, starts, begins)
+    states = _as_guesses(system, data, starts, begins)
+    model = Model(system, data, wanted, states)
     guess = np.concatenate(
         [model.numbers, [states[one.run or 0, one.place] for one in model.unknowns if one.run is not None]]
     )
@@ -336,13 +340,12 @@ def orbit_fit(
             return None
         return r / data.deviation[seen], J / data.deviation[seen][:, None]
 
-    size = float(np.sqrt(np.sum((data.value[seen] / data.deviation[seen]) ** 2)))
     with options.deadline.running():
         found = minimum(
             residuals,
             guess,
             (low, high),
-            size=size,
+            size=_length(data),
             accuracy=max(_OF_ORBITS, getattr(options.method, "tol", 0.0)),
             most_steps=n_steps,
             is_late=lambda: options.is_late,
@@ -366,10 +369,11 @@ def _result(
     null, singular, words = np.zeros((0, m)), np.zeros(0), ()
     seen = np.isfinite(data.value)
     derivative = prediction.derivative[seen] / data.deviation[seen][:, None]
+    size = _length(data)
     if np.isfinite(derivative).all():
         frame = Frame.of(derivative, found.held)
         null, singular = frame.null, frame.singular
-        words = undetermined(names, found.unknown, null)
+        words = undetermined(names, found.unknown, frame, size)
         dof = data.n_values - frame.rank
         with np.errstate(all="ignore"):
             variance = (
@@ -380,8 +384,9 @@ def _result(
         free = np.any(np.abs(null / frame.unit) > NOTHING, axis=0) if len(null) else np.zeros(m, dtype=bool)
         covariance[free, :] = covariance[:, free] = np.nan
         error[free], covariance[free, free] = np.inf, np.inf
-        error[frame.held] = np.nan
-        covariance[frame.held, :] = covariance[:, frame.held] = np.nan
+        unsaid = frame.held if found.ending in ENDED_WELL else np.ones(m, dtype=bool)
+        error[unsaid] = np.nan
+        covariance[unsaid, :] = covariance[:, unsaid] = np.nan
     late = found.ending == "time limit"
     return OrbitFit(
         system=model.system,
@@ -412,6 +417,12 @@ def _result(
     )
 
 
+def _length(data: Observations) -> float:
+    """Of the observed values in units of their errors."""
+    seen = np.isfinite(data.value)
+    return float(np.sqrt(np.sum((data.value[seen] / data.deviation[seen]) ** 2)))
+
+
 def _as_names(unknowns: Any) -> tuple[str, ...]:
     items = None if isinstance(unknowns, str) else listed_names(unknowns, "unknowns")
     if not items:
@@ -437,9 +448,9 @@ def _as_start_times(start_time: Any, data: Observations) -> Array:
     return times
 
 
-def _as_guesses(model: Model, starts: Any, begins: Array) -> Array:
+def _as_guesses(system: EquationsOfMotion, data: Observations, starts: Any, begins: Array) -> Array:
     """A start for each run: as it was given, or the first observed value of a component."""
-    system, data = model.system, model.observed
+    parts, clock = parts_of(system), clock_of(system)
     names, n_runs = system.component_names, len(data.runs)
     states = np.zeros((n_runs, len(names)))
     told = np.zeros(len(names), dtype=bool)
@@ -454,13 +465,13 @@ def _as_guesses(model: Model, starts: Any, begins: Array) -> Array:
         if by is None:
             told[:] = True
         for name in by or ():
-            told[[names.index(part) for part in model.parts[str(name)]]] = True
+            told[[names.index(part) for part in parts[str(name)]]] = True
     for k, name in enumerate(names):
-        if k == model.clock:
+        if k == clock:
             states[:, k] = begins
         elif not told[k] and name in data.names:
             states[:, k] = [_first_value(data, name, run) for run in range(n_runs)]
-        elif not told[k] and starts is None and not (model.clock is not None and name == "p_t"):
+        elif not told[k] and starts is None and not (clock is not None and name == "p_t"):
             raise ParameterError(
                 f"starts: wanted the start of each component; {name} is not observed, and no start was given; give a "
                 f'guess, starts={{"{name}": 0}}'
@@ -484,9 +495,9 @@ def _as_bounds(bounds: Any, model: Model) -> tuple[Array, Array]:
     if bounds is None:
         return low, high
     places = [one.name for one in model.unknowns]
-    components = model.system.component_names
+    components, parts = model.system.component_names, parts_of(model.system)
     for name, pair in by_name(bounds, "bounds", "two numbers", '{"g": (0, None)}').items():
-        of = model.parts.get(name, (name,))
+        of = parts.get(name, (name,))
         chosen = [
             k for k, one in enumerate(model.unknowns)
             if one.name == name or (places[k] if one.run is None else components[one.place]) in of

@@ -22,7 +22,7 @@ from liepoisson.compile.symbols import evaluated
 from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError, did_you_mean
 from liepoisson.formula.parameters import flattened
 from liepoisson.inputs.arrays import Array
-from liepoisson.inputs.refusals import not_a_system, shown
+from liepoisson.inputs.refusals import shown
 from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.free_parameter import StateAndParameters, values_of, with_values
 from liepoisson.numeric.integrate import integrate
@@ -33,6 +33,10 @@ from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
+
+
+_SMALLER = 1024.0
+"""By how much parameters are smaller than the state: methods find the norm of the state to a thousandth."""
 
 
 @dataclass(frozen=True)
@@ -72,27 +76,24 @@ class Model:
         system: The system, with numbers for all parameters: a `System` or a `VectorField`.
         observed: The observations.
         names: Unknown parameters, by their components: "I1"; and components of the start of each run: "l1".
+        guess: A start of each run, shape (run, component): its size decides in which units parameters stand beside it.
 
     Raises:
         ParameterError: a name is neither a parameter nor a component, or is given twice; a column is no function of
             the state.
     """
 
-    def __init__(self, system: Any, observed: Observations, names: Sequence[str]) -> None:
-        if not isinstance(system, EquationsOfMotion):
-            raise not_a_system(system)
+    def __init__(self, system: EquationsOfMotion, observed: Observations, names: Sequence[str], guess: Array) -> None:
         self.system, self.observed = system, observed
-        self.parts = _parts(system)
-        found = [part for name in names for part in _known(name, self.parts)]
+        parts, clock = parts_of(system), clock_of(system)
+        found = [part for name in names for part in _known(name, parts)]
         if twice := sorted({name for name in found if found.count(name) > 1}):
             raise ParameterError(f"unknowns: wanted each number once; {twice[0]} comes twice, also in its vector.")
         components = system.component_names
         self.parameters = tuple(name for name in found if name not in components)
         of_starts = [components.index(name) for name in found if name in components]
-        if self.clock is not None and self.clock in of_starts:
-            raise ParameterError(
-                f"unknowns: wanted numbers that the data can tell; {components[self.clock]} is time. Leave it out."
-            )
+        if clock in of_starts:
+            raise ParameterError("unknowns: wanted numbers that the data can tell; t is time. Leave it out.")
         n, several = len(components), len(observed.runs) > 1
         self.unknowns: tuple[Unknown, ...] = (
             *(Unknown(name, n + k) for k, name in enumerate(self.parameters)),
@@ -103,6 +104,7 @@ class Model:
             ),
         )
         self.space: Any = system
+        self.scale: Array = np.concatenate([np.ones(n), _units(self.numbers, guess)])
         symbolic = system
         if self.parameters:
             symbolic = with_values(system, {name: name for name in self.parameters})
@@ -111,15 +113,9 @@ class Model:
                     "unknowns: wanted starts; the parameters of a system with quadratures cannot be looked for; give "
                     "the quadratures momenta"
                 )
-            self.space = StateAndParameters(cast("Any", symbolic), *self.parameters)
+            self.space = StateAndParameters(cast("Any", symbolic), *self.parameters, units=self.scale[n:].tolist())
         self.functions = tuple(_function(symbolic, name) for name in observed.names)
         self.turns: Array = np.array([_turn_of(system, function) for function in self.functions])
-
-    @cached_property
-    def clock(self) -> int | None:
-        """The component that is time: a coordinate t whose rate is 1."""
-        rates = {str(variable): rate for variable, rate in self.system.equations.items()}
-        return list(rates).index("t") if rates.get("t") == 1 else None
 
     @property
     def numbers(self) -> Array:
@@ -158,22 +154,31 @@ class Model:
         for run in range(len(observed.runs)):
             rows = np.flatnonzero(observed.run == run)
             vectors = self.directions(run)
-            state, tangent, outcome = self._orbit(states[run], vectors, begins[run], observed.time[rows], options)
+            state, tangent, outcome = self.orbit(
+                states[run], vectors, begins[run], observed.time[rows], **options.inner()
+            )
             value[rows], slopes = self.values(state), self._slopes(state)
             derivative[rows] = linear.matmul(slopes, np.swapaxes(tangent, -1, -2))
             outcomes.append(outcome)
         return Prediction(value, derivative, tuple(outcomes))
 
-    def _orbit(
-        self, start: Array, vectors: Array, begin: float, times: Array, options: RunOptions
+    def orbit(
+        self, start: Array, vectors: Array, begin: float, times: Array, **options: Any
     ) -> tuple[Array, Array, str]:
-        """States and tangent vectors at the times of a run, of which the first may be that of the start."""
+        """States and tangent vectors at the times of a run, of which the first may be that of the start.
+
+        The core has the parameters in units, powers of two, in which they are small beside the state: its norms are
+        those of the state then, and the errors of the orbit those of the orbit alone.
+        """
         grid = times if times[0] == begin else np.concatenate([[begin], times])
         if len(grid) == 1:
             return start[None], vectors[None], "finished"
-        found = integrate(self.space, start, times=grid, tangents=vectors if len(vectors) else None, **options.inner())
+        tangents = vectors if len(vectors) else None
+        found = integrate(self.space, start / self.scale, times=grid, tangents=tangents, **options)
         first = len(grid) - len(times)
-        return found.state[0, first:], found.tangent[0, first:], str(found.outcome[0])
+        own = np.array([self.scale[one.place] for one in self.unknowns[: len(vectors)]])
+        tangent = found.tangent[0, first:] * self.scale / own[:, None]
+        return found.state[0, first:] * self.scale, tangent, str(found.outcome[0])
 
     def values(self, states: Array) -> Array:
         """What would be observed at states with their parameters, shape (..., observable)."""
@@ -197,7 +202,19 @@ class Model:
         return np.where(np.isfinite(self.turns), less - turns * np.round(less / turns), less)
 
 
-def _parts(system: EquationsOfMotion) -> dict[str, tuple[str, ...]]:
+def clock_of(system: EquationsOfMotion) -> int | None:
+    """The place of the component that is time: a coordinate t whose rate is 1."""
+    rates = {str(variable): rate for variable, rate in system.equations.items()}
+    return list(rates).index("t") if rates.get("t") == 1 else None
+
+
+def _units(numbers: Array, guess: Array) -> Array:
+    """Powers of two in which numbers are a thousandth of the states."""
+    size = np.abs(guess).sum(axis=1).mean() or 1.0
+    return 2.0 ** np.round(np.log2(_SMALLER * np.where(numbers == 0, 1.0, np.abs(numbers)) / size))
+
+
+def parts_of(system: EquationsOfMotion) -> dict[str, tuple[str, ...]]:
     """The names of numbers by what may be said for them: parameters, components, and vectors of either."""
     parts: dict[str, tuple[str, ...]] = {}
     for name, value in values_of(system).items():
