@@ -62,9 +62,9 @@ def test_large_parameters_take_nothing_from_the_accuracy_of_orbits():
     """A mass on a spring, 1e9 times as heavy and as stiff: without units the last nine digits are lost."""
     system = lp.System(lp.canonical(1, names=["q"]), "1e9*(p_q^2/(2*m) + k*q^2/(2*m))", {"m": 10**9, "k": 1})
     t = np.linspace(0, 50, 101)
-    fit = fit_of(system, {"t": t, "q": np.cos(t)}, ["m", "p_q"], starts={"p_q": 0})
+    fit = fit_of(system, {"t": t, "q": np.cos(t)}, ["m"], starts={"p_q": 0})
     np.testing.assert_allclose(fit.predicted[:, 0], np.cos(t), atol=1e-13)
-    np.testing.assert_allclose(fit.value, [1e9, 0], rtol=1e-13, atol=1e-13)
+    assert fit.value[0] == pytest.approx(1e9, rel=1e-13)
 
 
 SYSTEMS = {
@@ -200,6 +200,11 @@ def test_missing_values_and_runs_of_other_lengths_count_by_what_is_there():
     np.testing.assert_allclose(fit.value, [9, 0.3, 0, -0.2, 1], atol=1e-10)
 
 
+def test_the_guess_of_a_start_is_the_first_value_that_is_there():
+    fit = fit_of(pendulum(9), {"t": [0.0, 0.1, 0.2], "theta": [None, 0.3, 0.28]}, ["theta"], starts={"p_theta": 0.1})
+    assert fit.guess_start.tolist() == [[0.3, 0.1]]
+
+
 def test_residuals_of_an_angle_are_taken_modulo_a_turn():
     """The angle in degrees from -180 to 180, of a pendulum that turns over."""
     system, t = pendulum(2), np.linspace(0, 6, 41)
@@ -237,6 +242,8 @@ def test_an_unknown_stays_within_its_bounds():
     assert (fit.ending, fit.value[0]) == ("at a bound", 9)
     assert np.isnan(fit.error[0])
     assert fit.error[1] > 0
+    fit = fit_of(pendulum(12), data, ["g", "p_theta"], starts=[0.4, 0], bounds={"g": (10, None)})
+    assert (fit.ending, fit.value[0]) == ("at a bound", 10)
     fit = fit_of(pendulum(8), data, ["g", "p_theta"], starts=[0.4, 0], bounds={"g": (0, 20), "p_theta": (-1, 1)})
     np.testing.assert_allclose(fit.value, [9.81, 0.1], atol=1e-10)
 
@@ -246,7 +253,8 @@ def test_a_search_that_fails_is_an_ending():
     fit = fit_of(falls, {"t": [0.0, 0.5, 1.5], "x": [1.0, 1.5, 2.0]}, ["k"])
     assert (fit.ending, fit.outcome[0] != "finished", bool(np.isnan(fit.error[0]))) == ("no trajectory", True, True)
     data = {"t": SWING.time, "theta": SWING.state[0, :, 0]}
-    assert fit_of(pendulum(8), data, ["g"], starts=[0.4, 0.1], most_steps=1).ending == "most steps"
+    ended = fit_of(pendulum(8), data, ["g"], starts=[0.4, 0.1], most_steps=1)
+    assert (ended.ending, bool(np.isnan(ended.error[0]))) == ("most steps", True)
     late = fit_of(pendulum(8), data, ["g"], starts=[0.4, 0.1], time_limit=1e-9)
     assert (late.ending, late.outcome[0]) == ("time limit", "time limit")
 
