@@ -405,6 +405,15 @@ def _of_runs(add):
     windows = {"windows": [(2, 90), (3, 80)], "log_windows": [(2, 90)]}
     add("fits.EnsembleReduction", "time:o windows:o log_windows:o", time=CURVE, **windows)
     add("fits.EnsembleReduction.add", "exponent:o", lp.fits.EnsembleReduction(CURVE), exponent=exponents())
+    table = {"t": TIMES, "l1": [0.5, 0.5, 0.6], "l2": [-0.25, 0.0, 0.25]}
+    add(
+        "fits.Observations", "data:v columns:w errors:w", data=table | {"s": [0.1] * 3},
+        columns={"l1": "l1", "l2": "l2"}, errors={"l1": "s", "l2": 0.2},
+    )  # fmt: skip
+    add(
+        "fits.orbit_fit", "observed:v unknowns:o starts:S start_time:1 bounds:v", system=TOP, observed=table,
+        unknowns=["I3", "l1"], starts=X, start_time=[-0.5], bounds={"I3": (0.5, None)}, most_steps=20,
+    )  # fmt: skip
     add("fits.window_grid", "time:o starts:o ends:o", time=CURVE, starts=[2.0, 3.0], ends=[50.0, 90.0])
     add("fits.finite_time_fit", "time:o exponent:o window:o", **curves, window=(2, 90), n_bootstrap=20)
     add("fits.fit_goodness", "time:o exponent:o window:o", **curves, window=(2, 90), n_degrees=4)

@@ -35,7 +35,7 @@ LAYERS = (
     {"report"},
     {"numeric"},
     {"leaf"},
-    {"indicators", "poincare"},
+    {"indicators", "poincare", "observations"},
     {"equilibrium", "noise", "rigid_body"},
     {"integrability", "orbits"},
     {"tori"},

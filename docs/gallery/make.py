@@ -55,7 +55,7 @@ GROUPS = {
     "Lattices, waves, fluids, other algebras": (
         *("toda", "three-wave", "fluid", "fluid-spectrum", "manakov", "magnetic-bottle"),
     ),
-    "Methods": ("discrete-top", "methods"),
+    "Methods": ("discrete-top", "methods", "fit"),
 }
 """The cards in the order of the index."""
 NAMES = tuple(name for names in GROUPS.values() for name in names)

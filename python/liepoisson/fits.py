@@ -1,4 +1,4 @@
-"""Fits to the mean exponent of an ensemble as a function of time."""
+"""Fits: of a model to observed orbits, and of laws to the mean exponent of an ensemble as a function of time."""
 
 from liepoisson._lazy import attach
 

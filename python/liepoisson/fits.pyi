@@ -7,3 +7,5 @@ from liepoisson.indicators.finite_time_fit import mean_curve as mean_curve
 from liepoisson.indicators.finite_time_fit import window_grid as window_grid
 from liepoisson.indicators.finite_time_fit import window_scan as window_scan
 from liepoisson.indicators.fit_goodness import fit_goodness as fit_goodness
+from liepoisson.observations.observations import Observations as Observations
+from liepoisson.observations.orbit_fit import orbit_fit as orbit_fit

@@ -49,6 +49,7 @@ from liepoisson.noise.noisy_exponents import NoisyExponents as NoisyExponents
 from liepoisson.noise.noisy_orbits import NoisyOrbits as NoisyOrbits
 from liepoisson.noise.stationary_law import StationaryLaw as StationaryLaw
 from liepoisson.numeric.integrate import Orbit as Orbit
+from liepoisson.observations.orbit_fit import OrbitFit as OrbitFit
 from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
 from liepoisson.orbits.connections import ConnectingOrbit as ConnectingOrbit
 from liepoisson.orbits.connections import ConnectingOrbits as ConnectingOrbits

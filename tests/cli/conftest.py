@@ -14,6 +14,7 @@ LINES = {
     "periodic": ("lagrange", "--period", "6"),
     "continue": ("lagrange", "--period", "6"),
     "melnikov": ("lagrange", "l1", "--start", "2,0,0,0,0,-1", "--origin", "alpha3=1", "--integral", "l3"),
+    "fit": ("lagrange", "data.csv", "--unknown", "a3", "--start", "1,0,1,0,0,1"),
     "sweep": ("twist.toml",),
 }
 """What a command must be given; where it is only a system, nothing stands here."""

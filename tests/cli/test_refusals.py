@@ -151,6 +151,15 @@ REFUSED = (
     ("lab kirchhoff --export a.pdf", ".html"),
     ("lab kirchhoff --export a.html --no-open", "exclude"),
     ("lab kirchhoff --no-open --with missing.nc", "missing.nc"),
+    # fits
+    ("fit lagrange no.csv --unknown a3", "wanted a CSV file; got 'no.csv'"),
+    ("fit lagrange data.csv --unknown apha", "Did you mean alpha"),
+    ("fit lagrange data.csv --unknown a3 --time s", "time: wanted the name of a column; got 's'"),
+    ("fit lagrange data.csv --unknown a3 --column l7", "got 'l7'"),
+    ("fit lagrange data.csv --unknown a3 --error l1=much", "got 'much'"),
+    ("fit lagrange data.csv --unknown a3 --bound a3=1", "--bound must be name=low:high"),
+    ("fit lagrange data.csv --unknown a3", "starts: wanted the start of each component; l2 is not observed"),
+    ("fit lagrange data.csv --unknown a3 --unknown l --start alpha3=1", "4 unknowns and 2 values"),
     # studies
     ("reproduce twistedtop", "no study 'twistedtop'"),
     ("reproduce twisted-top --members many --out out", "Invalid value for '--members'"),
@@ -177,6 +186,7 @@ def here(tmp_path, monkeypatch):
         "large": TWIST.replace("n_starts = 1", "n_starts = 2147483648"),
     }.items():
         (tmp_path / f"{name}.toml").write_text(text)
+    (tmp_path / "data.csv").write_text("t,l1\n0,0.5\n1,0.25\n")
     return tmp_path
 
 

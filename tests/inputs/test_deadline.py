@@ -200,6 +200,9 @@ COUNTED = {
     ),
     "fits.finite_time_fit": lambda **limit: lp.fits.finite_time_fit(**CURVES, **limit),
     "fits.log_fit": lambda **limit: lp.fits.log_fit(**CURVES, **limit),
+    "fits.orbit_fit": lambda **limit: lp.fits.orbit_fit(
+        TWISTED, {"t": np.linspace(0, 1e7, 50), "l1": np.zeros(50)}, ["I1"], starts=START, most_steps=MANY, **limit
+    ),
     "fits.window_scan": lambda **limit: lp.fits.window_scan(**CURVES, **limit),
     "fits.window_scan, many windows": lambda **limit: lp.fits.window_scan(
         **CURVES, windows=[(10 + k / MANY, 1000) for k in range(MANY)], **limit

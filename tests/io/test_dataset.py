@@ -96,7 +96,7 @@ OF_EACH = {"start_side": [1, 1, 1], "structure": STRUCTURE}
 NOT_RECORDED = {"threads", "progress"}
 INSTEAD = {"t_end": "times", "length": "arclengths", "n_points": "arclengths"}
 """What is left out where another argument is given: the end is the last of the times."""
-RECORDED = sorted(RUNS.keys() - {"chart orbit", "sweep", "integral scan"})
+RECORDED = sorted(RUNS.keys() - {"chart orbit", "sweep", "integral scan", "orbit fit"})
 """The first is repeated as an orbit in its coordinates, the others have tests of their own."""
 
 
@@ -166,6 +166,7 @@ def runs_of_all_kinds():
         **{f"{kind}, as given": lambda kind=kind: run_of(kind) for kind in RECORDED},
         "return of one": lambda: lp.sections.first_return(TOP, STATES[0], surface="l3", t_end=50),
         "return of a table": lambda: lp.sections.first_return(TOP, STATES[None], surface="l3", t_end=50),
+        "orbit fit": lambda: made()["orbit fit"].function(**made()["orbit fit"].arguments),
         "orbit": orbit,
         "orbit, dense, with tangents": lambda: orbit_with(dense=True, tangents=np.eye(9)[:2]),
         "orbit, components": lambda: lp.integrate(TOP, STATES[:1], times=[0, 1]),

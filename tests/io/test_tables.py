@@ -76,6 +76,8 @@ def rows_of(result):
         return len(result.time)
     if kind == "sweep":
         return len(result.points)
+    if kind == "orbit fit":
+        return len(result.unknowns)
     return result.outcome.size
 
 

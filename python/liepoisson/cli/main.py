@@ -67,6 +67,7 @@ COMMANDS = {
     "melnikov": "periodic",
     "diagram": "tori",
     "critical": "tori",
+    "fit": "fit",
     "sweep": "sweep",
     "lab": "lab",
     "cite": "literature",

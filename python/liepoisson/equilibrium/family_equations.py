@@ -28,7 +28,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import check_choice
 from liepoisson.leaf._checks import are_equal
-from liepoisson.model.free_parameter import FreeParameter, StateAndParameter, values_of
+from liepoisson.model.free_parameter import FreeParameter, StateAndParameters, values_of
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.numeric.curves import HOLDS, Curve
 from liepoisson.portable import linear
@@ -335,7 +335,7 @@ def family_equations(system: System, start: Equilibrium, along: str) -> FamilyEq
         found = tuple(of(name if kept else own.invariants[name]) for name in names)
         held = casimirs | dict(zip(kept, found, strict=False))
         return FamilyEquations(start.state, rank, energy, held, along, kept, found, tensor, lambda _: own, units)
-    space, known = StateAndParameter(variable), variable.symbolic.invariants
+    space, known = StateAndParameters(variable.symbolic, variable.name), variable.symbolic.invariants
     found = tuple(space.function(name if kept else known[name]) for name in names if kept or name in known)
     held = space.functions()
     energy = held.pop("H")

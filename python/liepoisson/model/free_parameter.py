@@ -1,22 +1,29 @@
-"""A system one of whose parameters varies: what families in a parameter are followed with."""
+"""Systems whose parameters vary: what families in a parameter are followed with, and fits look for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liepoisson.compile.field import QuadraticField, TapeField
 from liepoisson.compile.symbols import evaluated
 from liepoisson.formula.parameters import Parameter, flattened
 from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.names import MOMENTUM_OF_TIME
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.model.system import System
 from liepoisson.model.tops import Top
+from liepoisson.model.vector_field import VectorField
+from liepoisson.structure.suspension import Suspension
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
+
+E = TypeVar("E", bound=EquationsOfMotion)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,53 +50,90 @@ class FreeParameter:
 
     def at(self, value: Parameter) -> System:
         """The system with this value of the parameter."""
-        system = self.system
-        values: dict[str, Any] = {key: self._replaced(key, old, value) for key, old in values_of(system).items()}
-        if isinstance(system, Top):
-            return Top(inertia=values.pop("I"), name=system.name, **values)
-        given = system.as_given
-        energy = system.symbolic_hamiltonian if given.hamiltonian is None else given.hamiltonian
-        return System(
-            system.symbolic_bracket, energy, values, name=system.name, symbols=given.symbols,
-            integrals=given.integrals, partial_integrals=given.partial_integrals, source=system.source,
+        return with_values(self.system, {self.name: value})
+
+
+def with_values(system: E, values: Mapping[str, Parameter]) -> E:
+    """A system, or a vector field, with other values of some parameters, by the names of their components: "g", "a3".
+
+    A value that is the name itself makes the parameter a symbol.
+    """
+    all_values: dict[str, Any] = {key: _replaced(key, old, values) for key, old in values_of(system).items()}
+    if isinstance(system, Top):
+        top: Any = Top(inertia=all_values.pop("I"), name=system.name, **all_values)
+        return top
+    if isinstance(system, VectorField):
+        known = system.as_given
+        field: Any = VectorField(
+            known.equations, all_values, name=system.name, symbols=known.symbols, angles=known.angles,
+            integrals=known.integrals, source=system.source,
         )  # fmt: skip
+        return field
+    assert isinstance(system, System)
+    given, bracket = system.as_given, system.symbolic_bracket
+    energy = system.symbolic_hamiltonian if given.hamiltonian is None else given.hamiltonian
+    period = None
+    if isinstance(bracket, Suspension):  # which a Hamiltonian with time makes again
+        bracket, period = bracket.base, bracket.period
+        if not isinstance(energy, str):
+            from sympy import Symbol
 
-    def _replaced(self, key: str, old: Any, value: Parameter) -> Any:
-        """The value of one parameter, which may be a vector or a matrix with this one as a component."""
-        if not isinstance(old, tuple):
-            return value if key == self.name else old
-        flat = [value if name == self.name else entry for name, entry in flattened({key: old}).items()]
-        n = len(flat) // len(old)
-        return [flat[k : k + n] for k in range(0, len(flat), n)] if isinstance(old[0], tuple) else flat
+            energy = cast("Any", energy) - Symbol(MOMENTUM_OF_TIME)
+    found: Any = System(
+        bracket, energy, all_values, period=period, name=system.name, symbols=given.symbols,
+        integrals=given.integrals, partial_integrals=given.partial_integrals, source=system.source,
+    )  # fmt: skip
+    return found
 
 
-class StateAndParameter:
-    r"""A system with its parameter as a component of the state that does not move: $x' = f(x, p)$, $p' = 0$.
+def _replaced(key: str, old: Any, values: Mapping[str, Parameter]) -> Any:
+    """The value of one parameter, which may be a vector or a matrix with components among the values."""
+    if not isinstance(old, tuple):
+        return values.get(key, old)
+    flat = [values.get(name, entry) for name, entry in flattened({key: old}).items()]
+    n = len(flat) // len(old)
+    return [flat[k : k + n] for k in range(0, len(flat), n)] if isinstance(old[0], tuple) else flat
 
-    Its flow has the derivatives by the parameter among those by the state.
+
+class StateAndParameters:
+    r"""A system with parameters as components of the state that do not move: $x' = f(x, p)$, $p' = 0$.
+
+    Its flow has the derivatives by the parameters among those by the state.
 
     Args:
-        variable: The system and the parameter.
+        symbolic: The system, with the parameters as symbols.
+        names: The parameters.
+        units: In which the coordinates are, numbers without rounding such as powers of two; by default 1.  A norm of
+            the state, by which methods choose steps, has those of the parameters, too.
     """
 
-    def __init__(self, variable: FreeParameter) -> None:
+    def __init__(self, symbolic: System | VectorField, *names: str, units: Sequence[float] | None = None) -> None:
         from sympy import S, Symbol
 
-        symbolic = variable.symbolic
         self.name = symbolic.name
-        self.parameter = Symbol(variable.name)
-        self.variables: tuple[Symbol, ...] = (*symbolic.variables, self.parameter)
-        self.component_names = self.parts_of_state = (*symbolic.component_names, variable.name)
-        self._symbolic, self._rates = symbolic, (*symbolic.equations.values(), cast("Expr", S.Zero))
+        self.parameters: tuple[Symbol, ...] = tuple(map(Symbol, names))
+        self.variables: tuple[Symbol, ...] = (*symbolic.variables, *self.parameters)
+        self.component_names = self.parts_of_state = (*symbolic.component_names, *names)
+        self._symbolic = symbolic
+        rates: Any = tuple(symbolic.equations.values())
+        if units is not None:
+            scales = zip(self.parameters, map(Fraction, units), strict=True)
+            scaled: Any = {p: p * S(unit.numerator) / unit.denominator for p, unit in scales}
+            rates = tuple(rate.xreplace(scaled) for rate in rates)
+        self._rates = (*rates, *(cast("Expr", S.Zero) for _ in names))
 
     def field(self) -> QuadraticField | TapeField:
         """The vector field as plain data."""
+        return self._field
+
+    @cached_property
+    def _field(self) -> QuadraticField | TapeField:
         from liepoisson.compile.lowering import field_of_equations
 
         return field_of_equations(self.variables, self._rates)
 
     def vector_field(self, states: Array) -> Array:
-        """The rates, shape (..., N + 1)."""
+        """The rates, those of the parameters last: zero."""
         return evaluated(self.variables, self._rates, states)
 
     def functions(self) -> dict[str, PhaseFunction]:
@@ -98,13 +142,13 @@ class StateAndParameter:
         return {name: self.function(f) for name, f in {"H": self._symbolic.hamiltonian, **casimirs}.items()}
 
     def function(self, function: str | Expr) -> PhaseFunction:
-        """A function of the state and the parameter: an expression, or the text of one."""
+        """A function of the state and the parameters: an expression, or the text of one."""
         expression = self._symbolic.expression(function) if isinstance(function, str) else function
         return PhaseFunction(cast("Any", self), expression)
 
     def poisson_tensor(self, state: Array) -> Array:
-        """The Poisson tensor of the system, shape (N, N), at one state with the parameter."""
-        n = len(self.variables) - 1
+        """The Poisson tensor of the system, shape (N, N), at one state with the parameters."""
+        n = len(self.variables) - len(self.parameters)
         return evaluated(self.variables, self._entries, state).reshape(n, n)
 
     @cached_property
@@ -112,7 +156,7 @@ class StateAndParameter:
         return tuple(cast("Any", self._symbolic.bracket.poisson_tensor()).flat())
 
 
-def values_of(system: System) -> Mapping[str, Any]:
+def values_of(system: EquationsOfMotion) -> Mapping[str, Any]:
     """The parameters of a system by name: those that it was given, or I, a, b and epsilon of a `Top`."""
     if isinstance(system, Top):
         return {"I": system.inertia, "a": system.a, "b": system.b, "epsilon": system.epsilon}

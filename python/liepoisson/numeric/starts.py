@@ -77,7 +77,7 @@ def states_by_name(
             state is wanted.
         ShapeError: A vector has another number of components, or numbers of trajectories differ.
     """
-    places = _places(system)
+    places = component_places(system)
     read = dict[str, Array]()
     seen = dict[int, str]()
     for name, numbers in given.items():
@@ -127,7 +127,7 @@ def _meant(name: object, numbers: Any, places: Mapping[str, range]) -> str:
     return hint
 
 
-def _places(system: Any) -> dict[str, range]:
+def component_places(system: Any) -> dict[str, range]:
     """Where the vectors and the components of a state are, by name."""
     names = component_names(system, as_field(system).n_components)
     if getattr(system, "clock", None) is not None:  # time and its momentum come after the vectors

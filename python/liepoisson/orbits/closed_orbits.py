@@ -27,7 +27,7 @@ from liepoisson.inputs.refusals import check_kind
 from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
-from liepoisson.model.free_parameter import FreeParameter, StateAndParameter
+from liepoisson.model.free_parameter import FreeParameter, StateAndParameters
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
@@ -399,11 +399,11 @@ def problem_at(
 
 def with_parameter(problem: Problem, variable: FreeParameter) -> Problem:
     """The problem for the state with a parameter behind it, which is held like H and the Casimirs."""
-    closing, space, number = problem.closing, StateAndParameter(variable), variable.value
+    closing, space, number = problem.closing, StateAndParameters(variable.symbolic, variable.name), variable.value
     functions = {**space.functions(), **{name: space.function(name) for name in problem.momenta}}
     values = {name: value for name, (_, value) in closing.held.items()} | {"H": closing.level.number("H")}
     held = {name: (functions[name], values[name]) for name in closing.held}
-    held[variable.name] = space.function(space.parameter), number
+    held[variable.name] = space.function(space.parameters[0]), number
     k, n = len(closing.rotations), len(closing.level.units) + 1
     rotations = np.zeros((k, n, n))
     rotations[:, :-1, :-1] = closing.rotations

@@ -4,6 +4,7 @@ from liepoisson._lazy import unknown
 from liepoisson.plot.diagrams import diagram, leaf_classes
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
 from liepoisson.plot.families import family
+from liepoisson.plot.fits import orbit_fit
 from liepoisson.plot.indicators import indicators, spectrum
 from liepoisson.plot.molecules import molecule
 from liepoisson.plot.orbits import orbit
@@ -24,6 +25,7 @@ __all__ = [
     "leaf_classes",
     "molecule",
     "orbit",
+    "orbit_fit",
     "profile",
     "rod",
     "save_figure",

@@ -17,6 +17,7 @@ from liepoisson.io.display import Found
 from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
 from liepoisson.plot.families import family
+from liepoisson.plot.fits import orbit_fit
 from liepoisson.plot.indicators import spectrum
 from liepoisson.plot.labels import formula, label, number, plain
 from liepoisson.plot.orbits import orbit
@@ -277,6 +278,7 @@ def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
 
 _FIGURES: dict[str, Callable[..., Any]] = {
     "orbit": orbit,
+    "orbit fit": orbit_fit,
     "chart orbit": lambda result, **options: orbit(result.run, **options),
     "attitude": lambda result, **options: orbit(result.orbit, **options),
     "growth": convergence,

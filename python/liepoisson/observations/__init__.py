@@ -1,0 +1,1 @@
+"""Observed orbits beside a model: data, their sensitivities to what is unknown, and fits by least squares."""
