@@ -9,6 +9,10 @@ impl Emitter<'_> {
     /// The sums, in as few loops as there are registers for, each with about as many of them.
     pub(super) fn sums(&mut self, value: Value, one: &Loop, products: &[[usize; 3]], number: usize) -> Option<()> {
         let n = one.sums.len();
+        // so that no register is taken by what a sum starts with
+        if !one.sums.iter().all(|&sum| self.is_zero(sum)) {
+            return None;
+        }
         let parts = (1..=n).map(|n_parts| n.div_ceil(n_parts)).find(|&size| {
             let starts = (0..n).step_by(size);
             starts
@@ -30,8 +34,8 @@ impl Emitter<'_> {
     fn part(&mut self, value: Value, one: &Loop, part: &Part, number: usize, results: &[Option<Value>]) -> Option<()> {
         let at = value as usize;
         let wanted = part.start..part.start + part.n_sums;
-        let sums: Vec<Register> =
-            wanted.clone().map(|sum| self.summand(one.sums[sum], at, &one.sums[sum + 1..])).collect();
+        let sums: Vec<Register> = wanted.clone().map(|_| self.free_register(at)).collect();
+        sums.iter().for_each(|&sum| self.assembler.zero(sum));
         let right_registers: Vec<Register> = part.right.iter().map(|_| self.free_register(at)).collect();
         let x = part.needs_left.then(|| self.free_register(at));
         let (left_base, left) = self.addresses(&one.left)?;
