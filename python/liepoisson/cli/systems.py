@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.model.system_file import EquationsFile, SystemFile
     from liepoisson.model.vector_field import VectorField
-    from liepoisson.model.vector_field_file import VectorFieldFile
 
 F = TypeVar("F", bound="EquationsFile")
 _MOST_SHOWN = 60
@@ -84,7 +83,7 @@ def read_file(argument: str) -> SystemFile:
     return read_system_file(argument) if _is_path(argument) else entry(argument)
 
 
-def _read_any_file(argument: str) -> SystemFile | VectorFieldFile:
+def _read_any_file(argument: str) -> EquationsFile:
     """The same, or the file of a vector field."""
     from liepoisson.formula.toml_text import read_toml
     from liepoisson.model.system_file_reader import read_equations

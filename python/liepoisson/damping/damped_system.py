@@ -359,7 +359,8 @@ class DampedSystem(VectorField):
 
     @property
     def _given_functions(self) -> dict[str, str | Expr]:
-        return {"H": self.undamped.hamiltonian} | ({} if self.entropy is None else {"S": self.entropy})
+        found: dict[str, str | Expr] = {"H": self.undamped.hamiltonian}
+        return found if self.entropy is None else {**found, "S": self.entropy}
 
     def _check_that_parameters_occur(self, equations: Sequence[Expr]) -> None:
         """Not in the equations, in which they have their values; that they occur in what these come from is known."""

@@ -99,7 +99,7 @@ def of_kulkarni_nomizu(system: System, entropy: Expr, sigma: Matrix, mu: Matrix)
     from sympy import Matrix
 
     h, s = (Matrix(system.bracket.gradient(f)) for f in (system.hamiltonian, entropy))
-    signs = [
+    signs: list[Known] = [
         refused_if_negative(semidefinite(form, system.variables), f"forms: the {which}")
         for form, which in ((sigma, "first"), (mu, "second"))
     ]

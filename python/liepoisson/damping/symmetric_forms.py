@@ -7,7 +7,7 @@ negative: these are the coefficients of its characteristic polynomial, up to sig
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import is_sympy, is_zero
 from liepoisson.errors import ParameterError, ShapeError
@@ -66,7 +66,7 @@ def read_form(given: Any, names: Sequence[str], name: str, read: Callable[[Any, 
     if len(rows) != n or any(row is None or len(row) != n for row in inner):
         sizes = [0 if row is None else len(row) for row in inner]
         raise ShapeError(f"{name}: wanted {n} rows of {n} entries; got {len(rows)} rows of {sizes!s:.40}; {example}")
-    found = Matrix(
+    found: Any = Matrix(
         [[read(entry, f"{name}[{i + 1}, {j + 1}]") for j, entry in enumerate(row or ())] for i, row in enumerate(inner)]
     )
     for i in range(n):
@@ -82,7 +82,7 @@ def read_form(given: Any, names: Sequence[str], name: str, read: Callable[[Any, 
 def semidefinite(form: Matrix, variables: Sequence[Symbol]) -> Sign:
     """Whether a symmetric matrix has no negative eigenvalue: decided for numbers, tried at points for functions."""
     if form.is_diagonal():
-        return _all_of([never_negative(form[k, k], variables) for k in range(form.rows)])
+        return _all_of([never_negative(cast("Expr", form[k, k]), variables) for k in range(form.rows)])
     return _sign(lambda values: _symmetric_functions(form.xreplace(values)), form.free_symbols, variables)
 
 

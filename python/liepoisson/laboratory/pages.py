@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -342,7 +342,7 @@ def _start(system: Any, n: int, start: ArrayLike | Mapping[str, Any] | None) -> 
         return sample_states(system, 1, seed=0)[0]
     if hasattr(system, "component_names") and named(start, "start") is not None:
         start = read_state(system, start)
-    return checked_start(start, component_names(system, n))
+    return checked_start(cast("ArrayLike", start), component_names(system, n))
 
 
 def checked_start(start: ArrayLike, components: Sequence[str]) -> Array:

@@ -114,7 +114,7 @@ class StateAndParameters:
         self.parameters: tuple[Symbol, ...] = tuple(map(Symbol, names))
         self.variables: tuple[Symbol, ...] = (*symbolic.variables, *self.parameters)
         self.component_names = self.parts_of_state = (*symbolic.component_names, *names)
-        self._symbolic = symbolic
+        self._symbolic: Any = symbolic
         rates: Any = tuple(symbolic.equations.values())
         if units is not None:
             scales = zip(self.parameters, map(Fraction, units), strict=True)
@@ -153,7 +153,7 @@ class StateAndParameters:
 
     @cached_property
     def _entries(self) -> tuple[Expr, ...]:
-        return tuple(cast("Any", self._symbolic.bracket.poisson_tensor()).flat())
+        return tuple(self._symbolic.bracket.poisson_tensor().flat())
 
 
 def values_of(system: EquationsOfMotion) -> Mapping[str, Any]:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from functools import cached_property, partial, reduce
 from operator import add, mul
 from typing import TYPE_CHECKING, Any, cast
@@ -106,7 +107,7 @@ class PhaseFunction:
     @classmethod
     def of_text(cls, system: System, text: str, expression: Callable[[], Expr]) -> PhaseFunction:
         """A text that the core reads, whose values need no SymPy, and what makes the expression that is the same."""
-        function = cls.of_polynomial(system, RationalPolynomial.constant(0), expression)
+        function = cls.of_polynomial(system, RationalPolynomial.constant(Fraction(0)), expression)
         function._polynomial, function._tape = None, system.function_tape(text)
         return function
 

@@ -108,7 +108,7 @@ def read_tables(toml: TomlText) -> SystemFile:
     return _Reader(toml).file()
 
 
-def read_equations(toml: TomlText) -> SystemFile | VectorFieldFile | EquationsFile:
+def read_equations(toml: TomlText) -> EquationsFile:
     """What the tables of a file say, whether it describes a system, a damped one or a vector field.
 
     Raises:

@@ -168,7 +168,7 @@ class Noise:
         """
         per_part = max(1, _NUMBERS // max(1, start.size))
         for first in range(0, count, per_part):
-            at = begin + interval * np.arange(first, min(first + per_part, count) + 1)
+            at = begin + interval * np.arange(first, min(first + per_part, count) + 1, dtype=np.float64)
             steps = n_before + first * self.n_steps_in(interval)
             raw = self.orbits(at, start=start, n_before=steps, done=first / count, share=(len(at) - 1) / count)
             start = raw["final_state"]

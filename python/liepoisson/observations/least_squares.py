@@ -206,7 +206,7 @@ def undetermined(names: tuple[str, ...], values: Array, frame: Frame, size: floa
 def _echelon(rows: Array) -> Array:
     """The same space by rows of which each has an entry 1, the largest, where the others have 0."""
     for k in range(len(rows)):
-        i, j = np.unravel_index(np.argmax(np.abs(rows[k:])), rows[k:].shape)
+        i, j = divmod(int(np.argmax(np.abs(rows[k:]))), rows.shape[1])
         rows[[k, k + i]] = rows[[k + i, k]]
         rows[k] /= rows[k, j]
         others = np.arange(len(rows)) != k

@@ -211,7 +211,7 @@ def clock_of(system: EquationsOfMotion) -> int | None:
 def _units(numbers: Array, guess: Array) -> Array:
     """Powers of two in which numbers are a thousandth of the states."""
     size = np.abs(guess).sum(axis=1).mean() or 1.0
-    return 2.0 ** np.round(np.log2(_SMALLER * np.where(numbers == 0, 1.0, np.abs(numbers)) / size))
+    return np.ldexp(1.0, np.frexp(_SMALLER * np.where(numbers == 0, 1.0, np.abs(numbers)) / size)[1])
 
 
 def parts_of(system: EquationsOfMotion) -> dict[str, tuple[str, ...]]:

@@ -24,8 +24,7 @@ from liepoisson.numeric.systems import HasField
 from liepoisson.sweeps.identity import is_system_file
 
 if TYPE_CHECKING:
-    from liepoisson.model.system_file import SystemFile
-    from liepoisson.model.vector_field_file import VectorFieldFile
+    from liepoisson.model.system_file import EquationsFile
 
 Shape: TypeAlias = tuple[int, ...]
 _SYMPY = RLock()
@@ -106,7 +105,7 @@ class FileFamily(Family):
         return _unpickled, (pickle.dumps(self._tables), self._path)
 
     @cached_property
-    def _file(self) -> SystemFile | VectorFieldFile:
+    def _file(self) -> EquationsFile:
         from liepoisson.formula.toml_text import TomlText
         from liepoisson.model.system_file_reader import read_equations
 
