@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Self, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
@@ -200,6 +200,20 @@ class PiecesField(PlainField):
 
 
 Field: TypeAlias = TopField | QuadraticField | TapeField | PiecesField
+
+
+def at_rest(field: Field, component: int) -> Field:
+    """The field with one component that does not move; it must be no field of a top, and not given by its pieces."""
+    if isinstance(field, TapeField):
+        outputs = [*field.outputs]
+        outputs[component] = field.n_components + len(field.instructions)
+        return replace(field, instructions=(*field.instructions, ("linear", (), (0.0,))), outputs=tuple(outputs))
+    assert isinstance(field, QuadraticField), field
+    constant, linear, quadratic = (
+        tuple(entry for entry in entries if entry[0] != component)
+        for entries in (field.constant, field.linear, field.quadratic)
+    )
+    return QuadraticField(field.n_components, constant, linear, quadratic)
 
 
 def record_of(field: Field) -> dict[str, Any]:

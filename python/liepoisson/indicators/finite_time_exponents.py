@@ -20,7 +20,7 @@ from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories, t
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_forward_times, as_starts, as_states
-from liepoisson.numeric.systems import HasField, component_names, core_field, core_fields
+from liepoisson.numeric.systems import HasField, component_names, core_field, core_fields, with_momentum_of_time
 
 N_TIMES = 200
 
@@ -116,7 +116,7 @@ def finite_time_exponents(
         Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
     """
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
-    field = options.field(system)
+    field = options.tangent_field(system)
     n = field.n_components
     states, at = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
     first = as_first(options.first, len(states))
@@ -148,7 +148,7 @@ def finite_time_exponents(
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
         start_tangent=vectors,
-        end_state=raw["final_state"].reshape(len(states), n),
+        end_state=with_momentum_of_time(system, states, raw["final_state"].reshape(len(states), n)),
         order=raw["order"],
         kernel=raw["kernel"],
     )

@@ -132,7 +132,7 @@ def megno(
         182 (2003) 151.
     """
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
-    field = options.field(system)
+    field = options.tangent_field(system)
     states = as_starts(system, starts, n := field.n_components)
     end = as_time(t_end, "t_end", example=1000)
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")

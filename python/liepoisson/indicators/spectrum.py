@@ -28,7 +28,7 @@ from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import IntegratedRun, trajectories, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.numeric.systems import HasField
+from liepoisson.numeric.systems import HasField, with_momentum_of_time
 from liepoisson.numeric.time_scale import natural_duration, orbit_units
 
 INVERSE_TIME = "inverse time, dimensionless"
@@ -272,7 +272,7 @@ def lyapunov_spectrum(
         outcome=frames.outcome,
         end_time=frames.end_time,
         n_steps=frames.n_steps,
-        end_state=frames.state,
+        end_state=with_momentum_of_time(system, start, frames.state),
         order=frames.order,
         kernel=frames.kernel,
         covariant=None if vectors is None else vectors.vectors(),

@@ -83,7 +83,7 @@ class TangentFrames:
         n_vectors: int | None = None,
     ) -> None:
         self.options = options
-        self.field: Field = options.field(system)
+        self.field: Field = options.tangent_field(system)
         n = self.field.n_components
         self.state: Array = as_starts(system, starts, n)
         self.unit: Array = np.ones_like(self.state) if units is None else units

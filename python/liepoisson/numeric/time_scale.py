@@ -28,7 +28,7 @@ from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field, periods_of_components
+from liepoisson.numeric.systems import HasField, as_field, periods_of_components, tangent_field
 from liepoisson.portable import elementary, linear
 
 N_POINTS = 8
@@ -119,10 +119,12 @@ def orbit_units(system: HasField, starts: StartsLike, options: RunOptions) -> Or
         ShapeError: `starts` has another shape than stated.
         ParameterError: no start is finite.
     """
-    field = as_field(system)
+    field = tangent_field(system, as_field(system))
     # whatever the caller's method, but a field that is given by its pieces knows no other
     how = options.method if isinstance(field, PiecesField) else ENSEMBLE_METHOD
     states = as_starts(system, starts, field.n_components)
+    if getattr(system, "clock", None) is not None:
+        states[:, -1] = 0.0  # the momentum of time is at rest, and its size tells nothing
     run = _Run(system.name, field, replace(options, method=how, progress=None))
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     slopes = np.full((*states.shape, states.shape[1]), np.nan)
@@ -239,6 +241,10 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
     radius, coupling = _radius(at_start, np.abs(starts)), _coupling(at_start)
     # where components act on each other in longer circles only, what is left of the coupling is round-off
     first = np.where(coupling > _NILPOTENT * radius, coupling, radius)
+    doubtful = np.flatnonzero((first < _NILPOTENT * (most := _norm(at_start, np.abs(starts)))) & np.isfinite(most))
+    for start in range(0, len(doubtful), run.together):
+        some = doubtful[start : start + run.together]
+        first[some] = _first_turn(run, starts[some], first[some], most[some])
     rates, sizes, slopes = first.copy(), np.abs(starts), np.abs(at_start)
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
@@ -253,6 +259,28 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
             sizes[members] = np.sqrt((orbit**2).mean(axis=1))
             rates[members], slopes[members] = _median_radius(run, orbit, sizes[members], rung[members])
     return rates, sizes, slopes
+
+
+def _first_turn(run: _Run, starts: Array, least: Array, most: Array) -> Array:
+    r"""The inverse of the first time $\tau$ with $\tau\rho(Df(x(\tau))) \ge 1$ among the doubles of 1 over `most`.
+
+    At a start at which Df happens to be nilpotent or nearly so its spectral radius, `least`, tells nothing of the
+    orbit: a particle in the potential $x^4$ at x = 0 has none.  The result is not below it.
+    """
+    rate, left = least.copy(), np.arange(len(starts))
+    tau = 1.0 / most
+    while len(left := left[tau[left] * least[left] < 1.0]):
+        states = run.states(starts[left], tau[left, None])[:, 0]
+        reached = np.isfinite(states).all(axis=1)
+        turned = np.full(len(left), np.inf)  # an orbit that ends before is not followed so far
+        if reached.any():
+            derivatives, _ = _derivatives(run, states[reached], np.full(int(reached.sum()), _LOWEST))
+            turned[reached] = tau[left[reached]] * _radius(derivatives, np.abs(states[reached]))
+        done = ~(turned < 1.0)
+        rate[left[done]] = 1.0 / tau[left[done]]
+        left = left[~done]
+        tau[left] *= 2.0
+    return rate
 
 
 def _median_radius(run: _Run, orbit: Array, sizes: Array, rung: Array) -> tuple[Array, Array]:
