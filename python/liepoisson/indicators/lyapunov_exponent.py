@@ -296,7 +296,7 @@ def lyapunov_exponent(
     if transient is None:
         transient = natural_duration(TRANSIENT, scale, otherwise=0.0)
     transient = as_duration(transient, "transient", zero=True)
-    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=1)
+    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=1, at_equal_times=True)
     start = frames.state.copy()
     before = n_intervals(transient, block, names=("transient", "block"))
     clock = Clock(before + n_blocks, progress)

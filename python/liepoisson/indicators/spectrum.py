@@ -201,8 +201,8 @@ def lyapunov_spectrum(
     involution (the energy among them), and pairs $\pm\lambda$ on the leaf.  A generic orbit of the twisted top has
     $(x, y, 0, 0, 0, 0, 0, -y, -x)$.  `Spectrum.residuals` measures how well this holds, `Spectrum.check()` tells it.
 
-    With time the vectors lead to neighbours at the same time, and t and $p_t$ add two zeros; covariant vectors are those
-    of the flow of x and t, which on an orbit without bounds grows otherwise.
+    With time the vectors lead to neighbours at the same time, and t and $p_t$ add two zeros.  Covariant vectors are
+    those of the flow of x and t, which on an orbit without bounds grows otherwise.
 
     Finite-time values are biased by some $\ln(t/T)/t$, as the vectors of the zeros grow like powers of time; T is the
     `time_scale` of the orbit.

@@ -24,7 +24,7 @@ from liepoisson.numeric.run import outcome_names
 from liepoisson.numeric.run_options import Progress, RunOptions
 from liepoisson.numeric.sampling import BLOCK, as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, core_field
+from liepoisson.numeric.systems import HasField, core_field, n_of_time
 from liepoisson.streams import Purpose, stream
 
 MOST_INTERVALS = 10_000_000
@@ -58,8 +58,8 @@ class TangentFrames:
         units: Unit of each component, in which vectors are drawn and orthonormal, shape (trajectory, component); by
             default 1.  Growth is that of lengths in these units, which in the long run are the same in any.
         n_vectors: Vectors of each frame.
-        at_equal_times: Whether vectors of a system with time lead to neighbours at the same time: their components along
-            t and $p_t$ are zero and stay so.  There are two less, and those that are left out do not grow.
+        at_equal_times: Whether vectors of a system with time lead to neighbours at the same time: their components
+            along t and $p_t$ are zero and stay so.  There are two less, and those that are left out do not grow.
 
     Attributes:
         options: How they are advanced.
@@ -93,7 +93,7 @@ class TangentFrames:
         self.unit: Array = np.ones_like(self.state) if units is None else units
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
         first = as_first(options.first, len(self.state))
-        self.n_wanted, self.n_left_out = k, 2 if at_equal_times and getattr(system, "clock", None) is not None else 0
+        self.n_wanted, self.n_left_out = k, n_of_time(system) if at_equal_times else 0
         k = min(k, n - self.n_left_out)
         frame = orthonormal_frames(n - self.n_left_out, k, len(self.state), seed=options.seed, first=first)
         self.frame: Array = np.concatenate([frame, np.zeros((len(frame), self.n_left_out, k))], axis=1)

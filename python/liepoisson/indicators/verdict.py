@@ -30,7 +30,7 @@ from liepoisson.numeric.run import Run, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.numeric.systems import HasField
+from liepoisson.numeric.systems import HasField, at_equal_times
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.portable import elementary
 
@@ -296,7 +296,7 @@ def decide(
     with np.errstate(divide="ignore"):
         natural_time = end / units.time
     n_all, n = units.component.shape
-    tangents = units.component * sample_tangents(n, n_all, **options.drawn)
+    tangents = at_equal_times(system, units.component * sample_tangents(n, n_all, **options.drawn))
     growth = megno(system, starts, t_end=end, tangents=tangents, **options.drawn, **options.inner(0, 1 / 3))
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
     times = end * np.arange(1, 9) / 8

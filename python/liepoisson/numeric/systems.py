@@ -98,6 +98,18 @@ def tangent_field(system: Any, field: Field) -> Field:
     return field if getattr(system, "clock", None) is None else at_rest(field, field.n_components - 1)
 
 
+def n_of_time(system: Any) -> int:
+    """How many of the last components are time and its momentum: 2 or 0."""
+    return 0 if getattr(system, "clock", None) is None else 2
+
+
+def at_equal_times(system: Any, tangents: Array) -> Array:
+    """Tangent vectors, shape (..., component), without components along time and its momentum, if there are these."""
+    found = tangents.copy()
+    found[..., found.shape[-1] - n_of_time(system) :] = 0.0
+    return found
+
+
 def with_momentum_of_time(system: Any, start: Array, state: Array) -> Array:
     """States with the $p_t$ for which $H + p_t$ is that of the start; as they are where no time is.
 
