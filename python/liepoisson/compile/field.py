@@ -213,7 +213,7 @@ def at_rest(field: Field, component: int) -> Field:
         tuple(entry for entry in entries if entry[0] != component)
         for entries in (field.constant, field.linear, field.quadratic)
     )
-    return QuadraticField(field.n_components, constant, linear, quadratic)
+    return replace(field, constant=constant, linear=linear, quadratic=quadratic)
 
 
 def record_of(field: Field) -> dict[str, Any]:
