@@ -187,3 +187,20 @@ def test_quasi_periodic_forcing_needs_no_period():
     forced = lp.System(lp.canonical(names=["x"], angles=["x"]), force)
     found = lp.decide(forced, [TURNING, {"p_x": 0.9}, {"p_x": 2.0}], t_end=2000)
     assert found.verdict.tolist() == ["regular", "regular", "chaotic"]
+
+
+def test_orbits_in_a_plane_are_regular_however_long_the_run():
+    pendulum = lp.System(lp.canonical(names=["d"], angles=["d"]), "p_d^2/2 - cos(d)")
+    found = decide(pendulum, [{"p_d": p} for p in (1, 3, 100)], t_end=5000)
+    assert found.sali.min() < 1e-8  # it falls like 1/t^2: the area that two vectors span is kept, and both grow like t
+    assert found.verdict.tolist() == ["regular"] * 3
+    body = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6")  # leaves of dimension two
+    assert decide(body, [1, 0.2, 1], t_end=5000).votes[0].tolist() == [-1, -1, 0, -1]
+
+
+def test_an_orbit_without_a_time_scale_says_why_it_is_undecided():
+    flees = lp.VectorField({"x": "1 + x^2", "y": "-y"})  # x = tan(t)
+    found = decide(flees, [0, 1], t_end=1)
+    assert np.isnan(found.natural_time[0])
+    assert found.outcome.tolist() == ["finished"]
+    assert str(found).endswith("1 undecided because the orbit has no time scale: its first stretch did not finish")

@@ -64,6 +64,61 @@ def test_the_derivative_at_the_pendulum_upside_down_is_that_of_its_linear_equati
         back.cycles({}, 0)
 
 
+def test_exponents_of_an_orbit_without_bounds_are_those_of_floquet():
+    a, q = 1, 0.5  # Mathieu's equation, in its first resonance: x'' = -(a - 2 q cos 2t) x
+    system = lp.System(lp.canonical(names=["x"]), "p_x^2/2 + (a - 2*q*cos(2*t))*x^2/2", {"a": a, "q": q}, period="pi")
+
+    def linear(t, z):
+        return [z[1], -(a - 2 * q * np.cos(2 * t)) * z[0]]
+
+    monodromy = np.transpose([by_scipy(linear, unit, [np.pi])[-1] for unit in np.eye(2)])
+    exponent = np.log(np.abs(np.linalg.eigvals(monodromy)).max()) / np.pi
+    starts = [[0, 0, 0, 0], [0.1, 0, 0, 0]]  # at rest, and growing like exp(exponent t)
+    found = lp.lyapunov_exponent(system, starts, t_end=400)
+    np.testing.assert_allclose(found.exponent, exponent, atol=1e-3)
+    spectrum = lp.lyapunov_spectrum(system, starts, t_end=400)
+    at_first = 2 / 400  # the part of the first vector that grows is above exp(-2)
+    np.testing.assert_allclose(spectrum.end_exponent, [[exponent, 0, 0, -exponent]] * 2, atol=at_first)
+    np.testing.assert_array_equal(spectrum.structure.n_zeros, 2)
+    np.testing.assert_allclose(lp.chaos.megno(system, starts, t_end=400).megno[:, -1] / 400, exponent, atol=1e-3)
+
+
+def test_runs_of_tangent_vectors_tell_the_energy_of_the_drive():
+    starts = [[0.4, 0.9, 0, 0], [0.1, 0.2, 3, 7]]
+    orbit = lp.integrate(FORCED, starts, t_end=20).end_state
+    transient = {"transient": 5, "t_end": 15}
+    for found in (
+        lp.finite_time_exponents(FORCED, starts, t_end=20),
+        lp.lyapunov_spectrum(FORCED, starts, **transient),
+        lp.lyapunov_exponent(FORCED, starts, block=0.1, **transient),
+    ):
+        np.testing.assert_allclose(found.end_state, orbit, atol=1e-10)
+    covariant = lp.lyapunov_spectrum(FORCED, starts, covariant=True, **transient).covariant
+    np.testing.assert_allclose(covariant.state[:, -1], orbit, atol=1e-10)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1, 1e8])
+def test_verdicts_are_the_same_in_any_unit_of_time(unit):
+    text = "c*(p_x^2/2 - cos(x) + 3*cos(x)*cos(3*c*t)/10)"
+    system = lp.System(X, text, {"c": unit}, period="2*pi/(3*c)")
+    found = lp.decide(system, [{"p_x": p} for p in (0.5, 1.9, 4)], t_end=1000 / unit)
+    assert found.verdict.tolist() == ["regular", "chaotic", "regular"]
+    np.testing.assert_allclose(found.natural_time[[0, 2]], [963.1, 839.7], rtol=1e-3)
+
+
+@pytest.mark.parametrize("surface", ["t", "t - 1/10000", "sin(3000*t)"])
+def test_a_drive_that_is_faster_than_the_system_has_its_stroboscopic_map(surface):
+    system = lp.System(lp.canonical(names=["x"]), "p_x^2/2 + x^2/2 - x*cos(w*t)", {"w": 3000}, period="2*pi/w")
+    period = 2 * np.pi / 3000
+    found = lp.section(system, [0.3, 0.1, 0, 0], surface=surface, direction=1, t_end=20.03 * period, time_limit=20)
+    at = period * np.arange(1, 21) if "1/" not in surface else 1e-4 + period * np.arange(20)
+    np.testing.assert_allclose(found.time, at, rtol=1e-13)
+    assert not found.unresolved_time.any()
+    amplitude = 1 / (1 - 3000**2)  # x = (0.3 - A) cos t + 0.1 sin t + A cos(w t)
+    wanted = (0.3 - amplitude) * np.cos(at) + 0.1 * np.sin(at) + amplitude * np.cos(3000 * at)
+    np.testing.assert_allclose(found.state[:, 0], wanted, atol=1e-13)
+
+
 def test_phases_are_sections_too():
     run = lp.section(FORCED, {"x": 0.4}, surface="t - pi/w", t_end=10 * PERIOD)
     np.testing.assert_allclose(run.time, PERIOD * (np.arange(10) + 0.5), rtol=1e-13)

@@ -100,3 +100,10 @@ def test_components_that_vanish_have_no_unit_of_their_own(unit):
     plain = time_scale(lp.Top.heavy(inertia=(2, 2, 1.2), a=(0, 0, -1)), x)
     top = lp.Top.heavy(inertia=(2 * unit, 2 * unit, 1.2 * unit), a=(0, 0, -unit))
     assert time_scale(top, x * np.repeat([unit, 1, 1], 3)) == pytest.approx(plain, rel=1e-5)
+
+
+@pytest.mark.parametrize("unit", [1, 2.0**-20, 2.0**20])
+def test_a_start_at_which_nothing_turns_tells_nothing_of_the_orbit(unit):
+    quartic = lp.System(lp.canonical(names=["x"]), "c*(p_x^2/2 + x^4/4)", {"c": unit})
+    scale = lp.orbits.time_scale(quartic, [[0, 1], [1e-8, 1], [2**0.25, 0]]) * unit  # one orbit, at three places
+    assert scale == pytest.approx([0.8, 0.8, 0.8], rel=0.2)

@@ -230,6 +230,20 @@ def _as_tape(field: QuadraticField) -> TapeField:
     return TapeField(n, (*products, *sums), tuple(range(first, first + n)))
 
 
+def at_rest(field: Field, component: int) -> Field:
+    """The field with one component that does not move; it must be no field of a top, and not given by its pieces."""
+    if isinstance(field, TapeField):
+        outputs = [*field.outputs]
+        outputs[component] = field.n_components + len(field.instructions)
+        return replace(field, instructions=(*field.instructions, ("linear", (), (0.0,))), outputs=tuple(outputs))
+    assert isinstance(field, QuadraticField), field
+    constant, linear, quadratic = (
+        tuple(entry for entry in entries if entry[0] != component)
+        for entries in (field.constant, field.linear, field.quadratic)
+    )
+    return replace(field, constant=constant, linear=linear, quadratic=quadratic)
+
+
 def record_of(field: Field) -> dict[str, Any]:
     """The field as plain data that JSON can write, with its kind."""
     return {"kind": field.kind, **asdict(field)}

@@ -158,7 +158,7 @@ def alignment(
         Skokos, J. Phys. A 34 (2001) 10029; Skokos, Bountis and Antonopoulos, Physica D 231 (2007) 30.
     """
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
-    field = options.field(system)
+    field = options.tangent_field(system)
     n = field.n_components
     states, wanted = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
     if n < 2:
@@ -187,13 +187,13 @@ def alignment(
     # pieces may be done again in halves: within one, the times before it are what is done
     listen = None if progress is None else lambda _: progress(n_done / len(wanted))
     part = replace(options, progress=listen)
-    before = 0.0
+    before, moving = 0.0, system if getattr(system, "clock", None) is None else field
     for i, now in enumerate(wanted.tolist()):
         alive = np.flatnonzero(outcome == "finished")
         if not len(alive):
             break
         states[alive], vectors[alive], outcome[alive] = _carried(
-            system, states[alive], vectors[alive], (before, now), part
+            moving, states[alive], vectors[alive], (before, now), part
         )
         good = np.flatnonzero(outcome == "finished")
         seen = vectors[good] if units is None else _unit(vectors[good] / size[good][:, None])

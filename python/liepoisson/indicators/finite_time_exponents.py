@@ -20,7 +20,14 @@ from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories, t
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_forward_times, as_starts, as_states
-from liepoisson.numeric.systems import HasField, component_names, core_field, core_fields
+from liepoisson.numeric.systems import (
+    HasField,
+    at_equal_times,
+    component_names,
+    core_field,
+    core_fields,
+    with_momentum_of_time,
+)
 
 N_TIMES = 200
 
@@ -85,8 +92,8 @@ def finite_time_exponents(
     r"""Largest Lyapunov exponent along each trajectory, as a function of time.
 
     $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, by default drawn uniformly from the unit
-    sphere of the state space.  The vector is only ever rescaled by exact powers of two, so there is no interval of
-    renormalisation to choose.
+    sphere of the state space; with time it leads to a neighbour at the same time.  The vector is only ever rescaled by
+    exact powers of two, so there is no interval of renormalisation to choose.
 
     $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic
     one approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
@@ -116,12 +123,12 @@ def finite_time_exponents(
         Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
     """
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
-    field = options.field(system)
+    field = options.tangent_field(system)
     n = field.n_components
     states, at = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
     first = as_first(options.first, len(states))
     if tangents is None:
-        vectors = sample_tangents(n, len(states), **options.drawn)
+        vectors = at_equal_times(system, sample_tangents(n, len(states), **options.drawn))
     else:
         vectors = as_states(tangents, n, "tangents", names=component_names(system, n))
         wanted = f"({n},) or ({len(states)}, {n}), one for each trajectory"
@@ -148,7 +155,7 @@ def finite_time_exponents(
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
         start_tangent=vectors,
-        end_state=raw["final_state"].reshape(len(states), n),
+        end_state=with_momentum_of_time(system, states, raw["final_state"].reshape(len(states), n)),
         order=raw["order"],
         kernel=raw["kernel"],
     )

@@ -23,7 +23,7 @@ from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.numeric.systems import HasField
+from liepoisson.numeric.systems import HasField, with_momentum_of_time
 from liepoisson.numeric.time_scale import natural_duration, orbit_units, zero_threshold
 from liepoisson.portable import elementary
 
@@ -296,7 +296,7 @@ def lyapunov_exponent(
     if transient is None:
         transient = natural_duration(TRANSIENT, scale, otherwise=0.0)
     transient = as_duration(transient, "transient", zero=True)
-    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=1)
+    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=1, at_equal_times=True)
     start = frames.state.copy()
     before = n_intervals(transient, block, names=("transient", "block"))
     clock = Clock(before + n_blocks, progress)
@@ -390,7 +390,7 @@ def _estimate(
         converged=converged,
         wanted_error=wanted,
         outcome=frames.outcome,
-        end_state=frames.state,
+        end_state=with_momentum_of_time(system, start, frames.state),
     )
 
 

@@ -20,7 +20,7 @@ from liepoisson.numeric.run import Run, trajectories, typical, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states
-from liepoisson.numeric.systems import HasField, component_names
+from liepoisson.numeric.systems import HasField, at_equal_times, component_names
 
 _N_TIMES = 200
 # Trajectories whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
@@ -132,12 +132,13 @@ def megno(
         182 (2003) 151.
     """
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
-    field = options.field(system)
+    field = options.tangent_field(system)
     states = as_starts(system, starts, n := field.n_components)
     end = as_time(t_end, "t_end", example=1000)
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
     first = as_first(options.first, len(states))
-    vectors = sample_tangents(n, len(states), **options.drawn) if tangents is None else tangents
+    drawn = at_equal_times(system, sample_tangents(n, len(states), **options.drawn))
+    vectors = drawn if tangents is None else tangents
     vectors = np.broadcast_to(as_states(vectors, n, "tangents", names=component_names(system, n)), states.shape)
     n_times = min(_N_TIMES, samples // 2)
     stride = 2 * -(-samples // (2 * n_times))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import IntegratedRun, trajectories, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.numeric.systems import HasField
+from liepoisson.numeric.systems import HasField, with_momentum_of_time
 from liepoisson.numeric.time_scale import natural_duration, orbit_units
 
 INVERSE_TIME = "inverse time, dimensionless"
@@ -161,6 +161,19 @@ def _errors(growth: Array, t_end: float, finished: NDArray[np.bool_]) -> Array:
     return error
 
 
+def _with_states(vectors: CovariantVectors, system: HasField, start: Array) -> CovariantVectors:
+    return replace(vectors, state=with_momentum_of_time(system, start, vectors.state))
+
+
+def _with_those_of_time(growth: Array, frames: TangentFrames) -> Array:
+    """The growth of all vectors, with zeros in the middle for those that a frame at equal times leaves out."""
+    if not frames.n_left_out:
+        return growth
+    n = frames.frame.shape[1]
+    middle, zeros = (n - frames.n_left_out) // 2, np.repeat(0.0 * growth[..., :1], frames.n_left_out, axis=2)
+    return np.concatenate([growth[..., :middle], zeros, growth[..., middle:]], axis=2)[..., : frames.n_wanted]
+
+
 @shows_progress
 def lyapunov_spectrum(
     system: HasField,
@@ -187,6 +200,9 @@ def lyapunov_spectrum(
     For a Lie-Poisson system the spectrum has structure: a zero for each Casimir, two for each integral in
     involution (the energy among them), and pairs $\pm\lambda$ on the leaf.  A generic orbit of the twisted top has
     $(x, y, 0, 0, 0, 0, 0, -y, -x)$.  `Spectrum.residuals` measures how well this holds, `Spectrum.check()` tells it.
+
+    With time the vectors lead to neighbours at the same time, and t and $p_t$ add two zeros.  Covariant vectors are
+    those of the flow of x and t, which on an orbit without bounds grows otherwise.
 
     Finite-time values are biased by some $\ln(t/T)/t$, as the vectors of the zeros grow like powers of time; T is the
     `time_scale` of the orbit.
@@ -231,7 +247,9 @@ def lyapunov_spectrum(
     if interval is None:
         interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)
     interval = as_duration(interval, "interval")
-    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=n_exponents)
+    frames = TangentFrames(
+        system, starts, options, units=units.of_frames(), n_vectors=n_exponents, at_equal_times=not covariant
+    )
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
         structure = poisson_structure(system, start, frames.unit, options.deadline)
@@ -249,7 +267,7 @@ def lyapunov_spectrum(
     if vectors is not None:
         vectors.begin()
     carried = clock.carry(frames, during, t_end / during, per_row=per_time, keep=covariant)
-    growth = carried.growth
+    growth = _with_those_of_time(carried.growth, frames)
     time, finished = t_end * np.arange(1, n_times + 1) / n_times, frames.outcome == "finished"
     time[-1] = t_end  # which the quotient may miss by a bit; a file has the time from here
     if vectors is not None:
@@ -272,8 +290,8 @@ def lyapunov_spectrum(
         outcome=frames.outcome,
         end_time=frames.end_time,
         n_steps=frames.n_steps,
-        end_state=frames.state,
+        end_state=with_momentum_of_time(system, start, frames.state),
         order=frames.order,
         kernel=frames.kernel,
-        covariant=None if vectors is None else vectors.vectors(),
+        covariant=None if vectors is None else _with_states(vectors.vectors(), system, start),
     )

@@ -24,7 +24,7 @@ from liepoisson.numeric.run import outcome_names
 from liepoisson.numeric.run_options import Progress, RunOptions
 from liepoisson.numeric.sampling import BLOCK, as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, core_field
+from liepoisson.numeric.systems import HasField, core_field, n_of_time
 from liepoisson.streams import Purpose, stream
 
 MOST_INTERVALS = 10_000_000
@@ -58,6 +58,8 @@ class TangentFrames:
         units: Unit of each component, in which vectors are drawn and orthonormal, shape (trajectory, component); by
             default 1.  Growth is that of lengths in these units, which in the long run are the same in any.
         n_vectors: Vectors of each frame.
+        at_equal_times: Whether vectors of a system with time lead to neighbours at the same time: their components
+            along t and $p_t$ are zero and stay so.  There are two less, and those that are left out do not grow.
 
     Attributes:
         options: How they are advanced.
@@ -69,6 +71,7 @@ class TangentFrames:
         outcome: "finished" for the trajectories that still go on, else how they ended.
         end_time: Time reached, shape (trajectory,).
         n_steps: Accepted steps, shape (trajectory,).
+        n_wanted, n_left_out: Vectors that were asked for, and components that all vectors have zero.
         largest_ratio: The largest ratio of two stretchings in one interval, shape (trajectory,).  Contracting
             directions are lost in round-off where it nears 1e16.
     """
@@ -81,15 +84,19 @@ class TangentFrames:
         *,
         units: Array | None = None,
         n_vectors: int | None = None,
+        at_equal_times: bool = False,
     ) -> None:
         self.options = options
-        self.field: Field = options.field(system)
+        self.field: Field = options.tangent_field(system)
         n = self.field.n_components
         self.state: Array = as_starts(system, starts, n)
         self.unit: Array = np.ones_like(self.state) if units is None else units
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
         first = as_first(options.first, len(self.state))
-        self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=options.seed, first=first)
+        self.n_wanted, self.n_left_out = k, n_of_time(system) if at_equal_times else 0
+        k = min(k, n - self.n_left_out)
+        frame = orthonormal_frames(n - self.n_left_out, k, len(self.state), seed=options.seed, first=first)
+        self.frame: Array = np.concatenate([frame, np.zeros((len(frame), self.n_left_out, k))], axis=1)
         finite = np.isfinite(self.state).all(axis=1)
         self.outcome: NDArray[np.str_] = np.where(finite, "finished", "not finite").astype("<U32")
         self.end_time: Array = np.zeros(len(self.state))

@@ -30,7 +30,7 @@ from liepoisson.numeric.run import Run, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.numeric.systems import HasField
+from liepoisson.numeric.systems import HasField, at_equal_times
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.portable import elementary
 
@@ -205,7 +205,12 @@ class Verdict(Run):
             f"\n{restless} undecided only because averages still change: an orbit wanders slowly, which a longer run "
             "settles, or a coordinate runs away, such as an angle that was not declared"
         )
-        return f"{counts}{why}  ({self.system.name}, t = {self.t_end:g}){said if restless else ''}"
+        timeless = int(np.sum((self.outcome == "finished") & np.isnan(self.natural_time)))
+        unknown = f"\n{timeless} undecided because the orbit has no time scale: its first stretch did not finish"
+        return (
+            f"{counts}{why}  ({self.system.name}, t = {self.t_end:g}){said if restless else ''}"
+            f"{unknown if timeless else ''}"
+        )
 
     @property
     def _waits_for_averages(self) -> NDArray[np.bool_]:
@@ -248,6 +253,7 @@ def decide(
     "Chaotic" needs two votes of the first three and none against; "regular" needs the same for it, and averages that
     have settled.  The run must be at least 100 natural times long, $t\ge 100\,T$ with T from `time_scale`.  Growth
     power and MEGNO come from the same tangent vector and mostly agree; SALI comes from two others, averages from none.
+    SALI does not vote where the leaves or the state have dimension two: it falls there on every orbit, like $1/t^2$.
 
     Nothing here has units: multiply H by c and divide `t_end` by c, or a component by a constant (tangent vectors are
     drawn and their angles taken in units of the components along the orbit), and the verdicts are the same.
@@ -290,7 +296,7 @@ def decide(
     with np.errstate(divide="ignore"):
         natural_time = end / units.time
     n_all, n = units.component.shape
-    tangents = units.component * sample_tangents(n, n_all, **options.drawn)
+    tangents = at_equal_times(system, units.component * sample_tangents(n, n_all, **options.drawn))
     growth = megno(system, starts, t_end=end, tangents=tangents, **options.drawn, **options.inner(0, 1 / 3))
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
     times = end * np.arange(1, 9) / 8
@@ -322,7 +328,7 @@ def _judge(
     options: RunOptions,
 ) -> Verdict:
     power, mean, sali = _growth_power(growth), growth.mean[:, -1], angle.sali[:, -1]
-    votes = rule.votes(power, mean, sali, averages[0])
+    votes = rule.votes(power, mean, np.full_like(sali, np.nan) if _is_plane(growth) else sali, averages[0])
     outcome = growth.outcome
     for other in (angle.outcome, averages[1]):
         outcome = np.where(outcome == "finished", other, outcome)
@@ -341,6 +347,12 @@ def _judge(
         votes=votes,
         outcome=outcome,
     )
+
+
+def _is_plane(growth: Megno) -> bool:
+    """Whether orbits lie in leaves or in a state space of dimension two, where tangent vectors always align."""
+    bracket = getattr(growth.system, "bracket", None)
+    return (len(growth.components) if bracket is None else bracket.rank()) == 2
 
 
 def _growth_power(growth: Megno) -> Array:

@@ -18,7 +18,7 @@ from liepoisson.inputs.deadline import LEAST, Deadline, seconds_left
 from liepoisson.numeric.method.method import Method
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import MethodChoice, as_method, field_for
-from liepoisson.numeric.systems import HasField, as_field, component_names
+from liepoisson.numeric.systems import HasField, as_field, component_names, tangent_field
 
 ENSEMBLE_METHOD = Taylor(tol=1e-13)
 """Default method of runs whose numbers have a statistical error, far above this tolerance."""
@@ -122,6 +122,10 @@ class RunOptions:
     def field(self, system: HasField) -> Field:
         """The field of a system as the method integrates it."""
         return field_for(system, as_field(system), self.method)
+
+    def tangent_field(self, system: HasField) -> Field:
+        """The field along which tangent vectors are measured (`liepoisson.numeric.systems.tangent_field`)."""
+        return tangent_field(system, self.field(system))
 
     def given(self, system: Any, start: Array, field: Field | None = None) -> dict[str, Any]:
         """The first fields of a `Run`: what it was given."""

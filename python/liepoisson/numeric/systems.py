@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import _core
-from liepoisson.compile.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
+from liepoisson.compile.field import Field, PiecesField, QuadraticField, TapeFunction, TopField, at_rest
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import not_a_system, shown
@@ -86,6 +86,45 @@ def periods_of_components(system: Any, n: int) -> Array:
     if not known:
         return np.full(n, np.inf)
     return np.array([float(known.get(name, np.inf)) for name in component_names(system, n)])
+
+
+def tangent_field(system: Any, field: Field) -> Field:
+    r"""The field, given as the method integrates it, along which tangent vectors are measured.
+
+    The momentum $p_t$ of time, the last component, drives nothing: the others are a flow by themselves, $(x, t)$.  It
+    only adds up $-\partial H/\partial t$, and its tangent vector would grow like the square of the others, so it is
+    held at rest.
+    """
+    return field if getattr(system, "clock", None) is None else at_rest(field, field.n_components - 1)
+
+
+def n_of_time(system: Any) -> int:
+    """How many of the last components are time and its momentum: 2 or 0."""
+    return 0 if getattr(system, "clock", None) is None else 2
+
+
+def at_equal_times(system: Any, tangents: Array) -> Array:
+    """Tangent vectors, shape (..., component), without components along time and its momentum, if there are these."""
+    found = tangents.copy()
+    found[..., found.shape[-1] - n_of_time(system) :] = 0.0
+    return found
+
+
+def with_momentum_of_time(system: Any, start: Array, state: Array) -> Array:
+    """States with the $p_t$ for which $H + p_t$ is that of the start; as they are where no time is.
+
+    Args:
+        system: The system.
+        start: The starts, shape (trajectory, component).
+        state: States of a run with $p_t$ at rest, shape (trajectory, ..., component).
+    """
+    if getattr(system, "clock", None) is None:
+        return state
+    found, energy = state.copy(), system.functions.energy
+    with np.errstate(all="ignore"):  # a trajectory that failed has no energy
+        begin = energy(start).reshape(len(start), *(1,) * (state.ndim - 2))
+        found[..., -1] += begin - energy(state)
+    return found
 
 
 class HasFunctions(HasField, Protocol):

@@ -28,7 +28,7 @@ from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field, periods_of_components
+from liepoisson.numeric.systems import HasField, as_field, n_of_time, periods_of_components, tangent_field
 from liepoisson.portable import elementary, linear
 
 N_POINTS = 8
@@ -119,11 +119,13 @@ def orbit_units(system: HasField, starts: StartsLike, options: RunOptions) -> Or
         ShapeError: `starts` has another shape than stated.
         ParameterError: no start is finite.
     """
-    field = as_field(system)
+    field = tangent_field(system, as_field(system))
     # whatever the caller's method, but a field that is given by its pieces knows no other
     how = options.method if isinstance(field, PiecesField) else ENSEMBLE_METHOD
-    states = as_starts(system, starts, field.n_components)
-    run = _Run(system.name, field, replace(options, method=how, progress=None))
+    states, n_of = as_starts(system, starts, field.n_components), n_of_time(system)
+    if n_of:
+        states[:, -1] = 0.0  # the momentum of time is at rest, and its size tells nothing
+    run = _Run(system.name, field, replace(options, method=how, progress=None), n_of)
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     slopes = np.full((*states.shape, states.shape[1]), np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
@@ -133,7 +135,13 @@ def orbit_units(system: HasField, starts: StartsLike, options: RunOptions) -> Or
         chunk = good[start : start + _CHUNK]
         rate[chunk], size[chunk], slopes[chunk] = _rates(run, states[chunk])
     radian = periods_of_components(system, states.shape[1]) / (2 * np.pi)
-    return OrbitUnits(1.0 / rate, _units(np.minimum(size, radian), slopes))
+    size = np.minimum(size, radian)
+    units, n = np.ones_like(size), size.shape[1] - n_of
+    units[:, :n] = _units(size[:, :n], slopes[:, :n, :n])
+    if n_of:  # time is known exactly, and its size is no measure of the others
+        units[:, n] = np.where(size[:, n] > 0.0, size[:, n], 1.0)
+        units[:, n + 1] = units[:, :n].max(axis=1)
+    return OrbitUnits(1.0 / rate, units)
 
 
 def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:
@@ -181,8 +189,8 @@ def unit_of_time(scale: Array) -> float:
 class _Run:
     """Short integrations of a system before a deadline."""
 
-    def __init__(self, name: str, field: Field, options: RunOptions) -> None:
-        self.name = name
+    def __init__(self, name: str, field: Field, options: RunOptions, n_of_time: int) -> None:
+        self.name, self._n_of_time = name, n_of_time
         self._field, self._options = field, options
         # Steps of power series do not depend on the wanted times; those of a splitting end there.
         self.together = 1 if isinstance(field, PiecesField) else _TOGETHER
@@ -199,9 +207,10 @@ class _Run:
     def changes(self, starts: Array, h: float) -> Array:
         """M(h) - 1, shape (trajectory, component, component); NaN where a trajectory failed."""
         n = starts.shape[1]
-        orbit = self._integrated(starts, [0.0, h], np.tile(np.eye(n), (len(starts), 1, 1)))
+        identity = np.diag(np.arange(n) < n - self._n_of_time).astype(float)  # time has no neighbours
+        orbit = self._integrated(starts, [0.0, h], np.tile(identity, (len(starts), 1, 1)))
         # tangents are rows; a transposed matrix has the same eigenvalues, but not the same scaled norm
-        return np.swapaxes(orbit.tangent[:, 1], 1, 2) - np.eye(n)
+        return np.swapaxes(orbit.tangent[:, 1], 1, 2) - identity
 
     def _integrated(self, starts: Array, times: ArrayLike, tangents: Array | None) -> Orbit:
         return integrate(
@@ -239,6 +248,10 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
     radius, coupling = _radius(at_start, np.abs(starts)), _coupling(at_start)
     # where components act on each other in longer circles only, what is left of the coupling is round-off
     first = np.where(coupling > _NILPOTENT * radius, coupling, radius)
+    doubtful = np.flatnonzero((first < _NILPOTENT * (most := _norm(at_start, np.abs(starts)))) & np.isfinite(most))
+    for start in range(0, len(doubtful), run.together):
+        some = doubtful[start : start + run.together]
+        first[some] = _first_turn(run, starts[some], first[some], most[some], rung[some])
     rates, sizes, slopes = first.copy(), np.abs(starts), np.abs(at_start)
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
@@ -253,6 +266,28 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
             sizes[members] = np.sqrt((orbit**2).mean(axis=1))
             rates[members], slopes[members] = _median_radius(run, orbit, sizes[members], rung[members])
     return rates, sizes, slopes
+
+
+def _first_turn(run: _Run, starts: Array, least: Array, most: Array, rung: Array) -> Array:
+    r"""The inverse of the first time $\tau$ with $\tau\rho(Df(x(\tau))) \ge 1$, among $4^k$ over `most`.
+
+    At a start at which Df happens to be nilpotent or nearly so its spectral radius, `least`, tells nothing of the
+    orbit: a particle in the potential $x^4$ at x = 0 has none.  The result is not below it.
+    """
+    rate, left = least.copy(), np.arange(len(starts))
+    tau = 1.0 / most
+    while len(left := left[tau[left] * least[left] < 1.0]):
+        states = run.states(starts[left], tau[left, None])[:, 0]
+        reached = np.isfinite(states).all(axis=1)
+        turned = np.full(len(left), np.inf)  # an orbit that ends before is not followed so far
+        if reached.any():
+            derivatives, _ = _derivatives(run, states[reached], rung[left[reached]] / _RUNG)
+            turned[reached] = tau[left[reached]] * _radius(derivatives, np.abs(states[reached]))
+        done = ~(turned < 1.0)
+        rate[left[done]] = 1.0 / tau[left[done]]
+        left = left[~done]
+        tau[left] *= 4.0
+    return rate
 
 
 def _median_radius(run: _Run, orbit: Array, sizes: Array, rung: Array) -> tuple[Array, Array]:

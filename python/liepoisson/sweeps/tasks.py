@@ -25,6 +25,7 @@ from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import Auto, as_choice, as_method
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
+from liepoisson.numeric.systems import at_equal_times, n_of_time
 from liepoisson.sweeps.family import Family, NumericTop
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
@@ -288,7 +289,7 @@ def _method(piece: Piece, system: Any) -> Method:
 
 def _of_one_kind(piece: Piece, systems: list[Any]) -> list[TopField] | list[QuadraticField]:
     """The fields of the systems, if orbits of all can share a register; else none."""
-    if not isinstance(_method(piece, systems[0]), Taylor):
+    if not isinstance(_method(piece, systems[0]), Taylor) or n_of_time(systems[0]):
         return []
     fields = [system.field() for system in systems]
     tops = [data for data in fields if isinstance(data, TopField)]
@@ -330,11 +331,12 @@ def _exponents(
     """Exponents and outcomes of points that share a system, shape (point, member)."""
     value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
     member = np.broadcast_to(np.arange(piece.spec.n_starts), found.shape)[found]
+    drawn = sample_tangents(x0.shape[-1], piece.spec.n_starts, seed=piece.spec.seed)
     growth = finite_time_exponents(
         system,
         x0[found],
         times=[float(piece.spec.t_end)],
-        tangents=sample_tangents(x0.shape[-1], piece.spec.n_starts, seed=piece.spec.seed)[member],
+        tangents=at_equal_times(system, drawn)[member],
         method=_method(piece, system),
         threads=piece.threads,
         time_limit=math.inf,

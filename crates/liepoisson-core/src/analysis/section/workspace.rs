@@ -70,6 +70,12 @@ pub(super) fn unit(n_orders: usize) -> f64 {
     2.0 * ROUNDINGS * n_orders as f64 * f64::EPSILON
 }
 
+/// Whether a component of a series `(order, component)` of a state grows evenly, as time does: its series ends and leaves nothing
+/// out, so that the error of the largest component tells nothing of it.
+fn grows_evenly(state: &[f64], n: usize) -> bool {
+    (n..2 * n).any(|i| state[i] != 0.0 && state[i + n..].iter().step_by(n).all(|&coefficient| coefficient == 0.0))
+}
+
 impl Workspace {
     /// Finds how far the series `(order, component)` of a state is from the state on a step; whether that is bounded, or
     /// estimated only.
@@ -77,7 +83,8 @@ impl Workspace {
         let Workspace { sizes, error_of_state, components, .. } = self;
         let n = field.any.n_components;
         sizes.measure(state, n, step);
-        components.are_looked_at = sizes.has_small_component(state, n);
+        components.are_looked_at =
+            sizes.has_small_component(state, n) || field.majorant.is_none() && grows_evenly(state, n);
         if components.are_looked_at {
             components.measure_of(state, n, step);
             return components.find_errors(&state[..n], field);
