@@ -83,6 +83,49 @@ def _vanishes_at_points(found: Any, function: Any) -> bool:
     return n_values > 0
 
 
+def angles_among(functions: Mapping[str, Expr], old: Sequence[Expr]) -> tuple[str, ...]:
+    r"""Which of new coordinates y(x) are angles, where the old ones have angles.
+
+    With $y_a(\theta_b + 2\pi) = y_a + 2\pi n_{ab}$ and integers n those are angles whose rows of n are not zero, if the
+    rows are part of a basis of the integer vectors: then all functions on the circles of y are those of x that are
+    functions of y.
+
+    Args:
+        functions: The new coordinates by name, functions of the old ones.
+        old: The old coordinates that are angles.
+
+    Raises:
+        BracketError: a function is changed by a turn by anything else, or the rows are no part of a basis.
+    """
+    from sympy import ZZ, Matrix
+    from sympy.matrices.normalforms import smith_normal_form
+
+    rows: dict[str, list[int]] = {}
+    hint = (
+        "Take functions of sines and cosines of it, or the angle itself; or take a bracket without angles, "
+        "bracket.with_angles([])."
+    )
+    for name, function in functions.items():
+        windings: list[Any] = [change(function, x, turn()) / turn() for x in old]
+        for x, n in zip(old, windings, strict=True):
+            if not n.is_Integer:
+                raise BracketError(
+                    f"new coordinates must be functions on the circle of {x}, or angles; got {name} = {function!s:.60}, "
+                    f"which changes by {n * turn()!s:.60} when {x} grows by a turn. {hint}"
+                )
+        if any(windings):
+            rows[name] = [int(n) for n in windings]
+    if rows:
+        normal = smith_normal_form(Matrix([*rows.values()]), domain=ZZ)
+        if len(rows) > len(old) or any(abs(normal[k, k]) != 1 for k in range(len(rows))):
+            x = ", ".join(map(str, old))
+            raise BracketError(
+                f"new angles must be as many independent ones as go round once; got {', '.join(rows)} for the "
+                f"angle{'s' * (len(old) > 1)} {x}, with the windings {[*rows.values()]}. {hint}"
+            )
+    return tuple(rows)
+
+
 def check_on_circles(
     functions: Iterable[tuple[str, Expr]], periods: Mapping[str, tuple[Expr, Expr]], hint: str
 ) -> None:
