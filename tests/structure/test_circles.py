@@ -80,7 +80,7 @@ AB = lp.canonical(names=["a", "b"], angles=["a", "b"])
     [
         (lambda: lp.brackets.product(A, lp.canonical(names=["b"], angles=["b"])), ("a", "b")),
         (lambda: AB.dirac_bracket(["sin(a - b)", "p_a - p_b"]), ("a", "b")),
-        (lambda: A.plus(), ("a",)),
+        (A.plus, ("a",)),
         (lambda: A.frozen([0, 0]), ("a",)),
         (lambda: A.translated([1, 0]), ("a",)),
         (lambda: lp.integrability.pencil(A, A.with_angles([])), ("a",)),

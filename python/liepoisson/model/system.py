@@ -106,7 +106,7 @@ class System(EquationsOfMotion):
     Raises:
         ParameterError: the Hamiltonian is of none of these kinds, or has a part that is neither a coordinate nor a
             declared parameter, or a function that is not smooth, or is not periodic in an angle, or in time with the
-            period; `parameters` is not a mapping from names, or a
+            period, or contains the momentum of time p_t, which is added by itself; `parameters` is not a mapping from names, or a
             parameter is not exact.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         BracketError: a parameter is named like a coordinate.

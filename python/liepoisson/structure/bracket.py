@@ -592,8 +592,8 @@ class Bracket(Coordinates):
 
         $$\{y_a, y_b\} = \sum_{ij} \partial_i y_a\, J_{ij}\, \partial_j y_b .$$
 
-        It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.  Where this bracket has
-        angles the new coordinates must be functions on their circles, or angles that go round once.
+        It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.  Where this bracket
+        has angles the new coordinates must be functions on their circles, or angles that go round once.
 
         Example:
             >>> bent = lp.canonical(1).in_variables({"x": "q1", "y": "p1 + q1^2"}, {"q1": "x", "p1": "y - x^2"})
@@ -608,8 +608,8 @@ class Bracket(Coordinates):
             check: Verify the Jacobi identity of the result, which it has if this is a Poisson bracket.
 
         Raises:
-            BracketError: the functions are not inverse to each other, a coordinate is missing, or a new one is neither a
-                function on the circles of the angles nor an angle.
+            BracketError: the functions are not inverse to each other, a coordinate is missing, or a new one is neither
+                a function on the circles of the angles nor an angle.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a name is none that a user may choose.
         """

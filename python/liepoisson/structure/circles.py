@@ -110,8 +110,8 @@ def angles_among(functions: Mapping[str, Expr], old: Sequence[Expr]) -> tuple[st
         for x, n in zip(old, windings, strict=True):
             if not n.is_Integer:
                 raise BracketError(
-                    f"new coordinates must be functions on the circle of {x}, or angles; got {name} = {function!s:.60}, "
-                    f"which changes by {n * turn()!s:.60} when {x} grows by a turn. {hint}"
+                    f"new coordinates must be functions on the circle of {x}, or angles; got {name} = "
+                    f"{function!s:.60}, which changes by {n * turn()!s:.60} when {x} grows by a turn. {hint}"
                 )
         if any(windings):
             rows[name] = [int(n) for n in windings]

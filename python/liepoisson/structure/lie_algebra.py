@@ -58,8 +58,8 @@ class LieAlgebra:
     Args:
         structure_constants: `c[i][j][k]`, exact, shape (n, n, n).
         name: How it is printed.
-        basis_names: Names of $e_1, \dots, e_n$; "1", "2", ... if left out.  A single one may be "": then a coordinate has
-            the name of its field.
+        basis_names: Names of $e_1, \dots, e_n$; "1", "2", ... if left out.  A single one may be "": then a coordinate
+            has the name of its field.
         check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
 
     Attributes:
