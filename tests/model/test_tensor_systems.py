@@ -208,3 +208,33 @@ def test_smooth_tensors_are_followed_and_reported():
     assert (report.generators, report.complete) == ((), False)
     assert "no rational functions" in report.limits
     assert lp.inspect(unknown).failed == ()
+
+
+SPACE = lp.canonical(names=("x", "y", "z"))
+MADE = {
+    "log-canonical": lambda: lp.brackets.log_canonical([[0, 1, -1], [-1, 0, 1], [1, -1, 0]], ["x", "y", "z"]),
+    "Nambu": lambda: lp.brackets.nambu("(x^2 + y^2 + z^2)/2", ["x", "y", "z"]),
+    "other coordinates": lambda: lp.canonical(names=["a", "b"], angles=["b"]).in_variables(
+        {"x": "a", "y": "b", "u": "p_a + a^2", "v": "p_b + cos(b)"},
+        {"a": "x", "b": "y", "p_a": "u - x^2", "p_b": "v - cos(y)"},
+    ),
+    "product": lambda: lp.brackets.product(lp.so(3) @ lp.trivial(), lp.canonical(names=["x"], angles=["x"])),
+    "Dirac": lambda: SPACE.dirac_bracket(["x^2 + y^2 + z^2 - 1", "x*p_x + y*p_y + z*p_z"]),
+    "invariants": lambda: lp.canonical(2).in_invariants(
+        {"x": "q1*q2 + p1*p2", "y": "q1*p2 - q2*p1", "z": "(q1^2 + p1^2 - q2^2 - p2^2)/2"},
+        levels={"I": "(q1^2 + p1^2 + q2^2 + p2^2)/2"},
+    ),
+    "magnetic": lambda: lp.brackets.magnetic(["-x*z/4", "-y*z/4", "1 + z^2/4"], charge=40),
+    "guiding centre": lambda: lp.brackets.guiding_centre(["z", "0", "1 + x"]),
+    "straight guiding centre": lambda: lp.brackets.guiding_centre(["0", "0", "1 + y"], charge="e", symbols=["e"]),
+    "bottle": lambda: lp.brackets.guiding_centre(["-x*z/4", "-y*z/4", "1 + z^2/4"], charge=40),
+}
+
+
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=[pytest.mark.slow] * (k == "bottle")) for k in MADE])
+def test_brackets_made_of_others_can_be_written_and_read_again(kind, tmp_path):
+    system = lp.System(MADE[kind](), "cos(x)" if kind == "product" else "cos(y) + x^2*cos(2*y)")
+    again = lp.read_system(lp.systems.write_system(system, tmp_path / "again.toml"))
+    assert again.periods == system.periods
+    for found, wanted in zip(again.equations.values(), system.equations.values(), strict=True):
+        assert sp.expand(sp.fraction(sp.together(found - wanted))[0]) == 0

@@ -226,6 +226,13 @@ def test_a_figure_shows_the_coordinate_and_its_momentum():
         (lambda: lp.System(X, "p_x^2/2 - cos(x)", period=1), ParameterError, "where t does not occur"),
         (lambda: lp.System(X, "p_x^2/2 - t*cos(x)", {"t": 1}, period=1), ParameterError, "where t is no time"),
         (lambda: lp.System(X, "p_x^2/2 - t*cos(x)", period=1), ParameterError, "Leave the period out of a formula"),
+        (lambda: lp.System(X, "p_x^2/2 - t*cos(x) + p_t"), ParameterError, r"added by itself: K = H \+ p_t"),
+        (lambda: lp.System(X, cos(Symbol("t")) + Symbol("p_t")), ParameterError, "Leave it out"),
+        (
+            lambda: parse_system_file('[bracket]\ncanonical = 1\n[hamiltonian]\nexpression = "p1^2*cos(t) + p_t"'),
+            SystemFileError,
+            "added by itself",
+        ),
         (lambda: lp.System(lp.canonical(names=["p_t"]), "p_t*cos(t)"), BracketError, "distinct names"),
         (
             lambda: parse_system_file('[bracket]\ncanonical = 1\n[hamiltonian]\nexpression = "p1^2"\nperiod = 2'),

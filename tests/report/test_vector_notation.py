@@ -5,6 +5,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import liepoisson as lp
 from liepoisson.formula.styles import PLAIN
 from liepoisson.report.vector_notation import VectorNotation, _Recognition, invariant_metric
 from liepoisson.structure.extensions import leibniz, semidirect
@@ -120,3 +121,8 @@ def test_one_dot_has_one_meaning():
     assert defined(product, square) == defined(square) == [meaning, "|u|^2 = u.u"]
     assert defined(a.dot(v), u[0] ** 2) == []
     assert defined(l.dot(alpha), alpha.dot(alpha), by=NOTATION) == []
+
+
+def test_parameters_beside_single_coordinates_keep_their_names():
+    shown = str(lp.System(lp.canonical(names=["x"]), "p_x^2/2 + k1*x", {"k1": 2}))
+    assert "H = x*k1 + p_x^2/2" in shown

@@ -1,5 +1,6 @@
 """Coordinates on circles: which functions are periodic, and modulo what."""
 
+import numpy as np
 import pytest
 from sympy import Rational, Symbol, cos, exp, pi, sin, sqrt
 
@@ -68,6 +69,57 @@ def test_brackets_keep_their_angles():
     assert magnetic.substitute({"B": 2}).angles == ("theta",)
     tensor = lp.PoissonTensor(["phi", "z"], {("phi", "z"): "1 + k*cos(phi)"}, symbols=["k"], angles=["phi"])
     assert tensor.substitute({"k": "1/2"}).rename("psi", "z").angles == ("psi",)
+
+
+A = lp.canonical(names=["a"], angles=["a"])
+AB = lp.canonical(names=["a", "b"], angles=["a", "b"])
+
+
+@pytest.mark.parametrize(
+    ("make", "wanted"),
+    [
+        (lambda: lp.brackets.product(A, lp.canonical(names=["b"], angles=["b"])), ("a", "b")),
+        (lambda: AB.dirac_bracket(["sin(a - b)", "p_a - p_b"]), ("a", "b")),
+        (A.plus, ("a",)),
+        (lambda: A.frozen([0, 0]), ("a",)),
+        (lambda: A.translated([1, 0]), ("a",)),
+        (lambda: lp.integrability.pencil(A, A.with_angles([])), ("a",)),
+        (lambda: lp.brackets.contraction(A, {"p_a": 1}).contracted, ("a",)),
+        (lambda: AB.in_invariants({"d": "a - b", "u": "p_a"}, levels={"L": "p_a + p_b"}), ("d",)),
+        (
+            lambda: AB.in_variables(
+                {"d": "b - a + 1/2 + p_a", "p": "p_a", "e": "b", "q": "p_b + p_a"},
+                {"a": "e - d + 1/2 + p", "p_a": "p", "b": "e", "p_b": "q - p"},
+            ),
+            ("d", "e"),
+        ),
+        (lambda: A.in_variables({"s": "sin(a)", "p": "p_a"}, {"a": "asin(s)", "p_a": "p"}), ()),
+    ],
+)
+def test_brackets_made_of_others_keep_the_angles(make, wanted):
+    assert make().angles == wanted
+
+
+def test_a_section_of_an_angle_of_a_dirac_bracket_is_taken_modulo_a_turn():
+    held = lp.System(AB.dirac_bracket(["sin(a - b)", "p_a - p_b"]), "(p_a^2 + p_b^2)/2 - cos(a) - cos(b)")
+    turns = lp.section(held, [0, 0, 3, 3], surface="a", t_end=10)
+    np.testing.assert_allclose(turns.state[:, 0], 2 * np.pi * np.arange(1, 5), rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "words"),
+    [
+        (lambda: AB.dirac_bracket(["a - b", "p_a - p_b"]), ParameterError, "constraint must have the period"),
+        (lambda: A.in_variables({"c": "2*a", "u": "p_a"}, {"a": "c/2", "p_a": "u"}), BracketError, "go round once"),
+        (lambda: A.in_variables({"c": "a*p_a", "u": "p_a"}, {"a": "c/u", "p_a": "u"}), BracketError, r"2\*pi\*p_a"),
+        (lambda: A.in_variables({"c": "a", "u": "p_a + a"}, {"a": "c", "p_a": "u - c"}), BracketError, "go round once"),
+        (lambda: AB.in_invariants({"d": "2*a - 2*b", "u": "p_a"}), BracketError, "go round once"),
+        (lambda: lp.brackets.contraction(A, {"a": 1}), BracketError, r"with_angles\(\[\]\)"),
+    ],
+)
+def test_new_coordinates_that_are_none_on_the_circle_are_refused(make, error, words):
+    with pytest.raises(error, match=words):
+        make()
 
 
 @pytest.mark.parametrize(

@@ -282,3 +282,11 @@ def test_a_start_where_the_rank_drops_has_an_outcome():
     assert list(run.outcome) == ["not finite", "finished"]
     with pytest.raises(ParameterError, match="finite"):
         top.bracket.rank([1, 0, 1, 0, 1, 0])
+
+
+@pytest.mark.parametrize("scale", ["1e-100", "1e100"])
+def test_constraints_may_have_any_unit(scale):
+    rooted = SPACE.dirac_bracket([f"{scale}*(sqrt(x^2 + y^2 + z^2) - 1)", ON_SPHERE[1]])
+    assert rooted.rank() == 4
+    with pytest.raises(ConstraintError):
+        SPACE.dirac_bracket([f"{scale}*sin(x)", "y"])

@@ -130,7 +130,8 @@ def is_zero(value: Coefficient) -> bool:
 
     A polynomial in its symbols is expanded, and does so if its coefficients do.  That a coefficient does not vanish is
     proved by its decimals.  A rational function vanishes if its numerator does.  Only coefficients whose decimals leave
-    it open, and other expressions, are simplified, and False may then mean that SymPy did not succeed.
+    it open, and other expressions whose value at a point does, are simplified, and False may then mean that SymPy did
+    not succeed.
     """
     if isinstance(value, Fraction) or (isinstance(value, SymbolPolynomial) and value.has_one_number):
         return not value
@@ -147,8 +148,18 @@ def is_zero(value: Coefficient) -> bool:
         numerator: Any = fraction(together(value))[0]
         if numerator.is_polynomial(*symbols):
             return is_zero(numerator)
-        return bool(simplify(value) == 0)
+        return not _is_nonzero_at_a_point(expanded) and bool(simplify(value) == 0)
     return all(_vanishes(terms) for terms in _coefficients(expanded, symbols))
+
+
+def _is_nonzero_at_a_point(expanded: Expr) -> bool:
+    """Whether the decimals at a point tell an expression from zero, which saves its simplification."""
+    from sympy import Add, Rational
+
+    from liepoisson.algebra.decimals import vanishes_at
+
+    point = {s: Rational(k, k + 2) for k, s in enumerate(sorted(expanded.free_symbols, key=str), start=1)}
+    return vanishes_at(Add.make_args(expanded), point) is False
 
 
 def _coefficients(expanded: Expr, symbols: Sequence[Any]) -> list[list[Expr]]:

@@ -106,8 +106,8 @@ class System(EquationsOfMotion):
     Raises:
         ParameterError: the Hamiltonian is of none of these kinds, or has a part that is neither a coordinate nor a
             declared parameter, or a function that is not smooth, or is not periodic in an angle, or in time with the
-            period; `parameters` is not a mapping from names, or a
-            parameter is not exact.
+            period, or contains p_t, the momentum of time, which is added by itself; `parameters` is not a
+            mapping from names, or a parameter is not exact.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         BracketError: a parameter is named like a coordinate.
     """

@@ -175,7 +175,7 @@ def _check(text: str, system: System, *, symbolic: bool) -> None:
         found = read_system_text(text, type(system).__name__)
         same = (
             found.component_names == system.component_names
-            and found.bracket.terms() == system.bracket.terms()
+            and _are_same(_terms(found), _terms(system))
             and found.periods == system.periods
             and _are_equal(found.hamiltonian, system.hamiltonian)
             and _are_same(found.integrals, system.integrals)
@@ -188,7 +188,7 @@ def _check(text: str, system: System, *, symbolic: bool) -> None:
     if not same:
         raise SystemFileError(
             f"the system {system.name!r} cannot be written as a system file: what is read back is not the same. Give "
-            "the Hamiltonian as a text."
+            f"the {'entries of the bracket' if symbolic else 'Hamiltonian'} as {'texts' if symbolic else 'a text'}."
         )
 
 
@@ -208,10 +208,18 @@ def _pairs(partial: Mapping[str, tuple[Any, Any]]) -> dict[str, Any]:
 
 
 def _are_equal(found: Any, wanted: Any) -> bool:
-    """Whether two expressions are the same, if need be once their products are multiplied out."""
-    from sympy import expand
+    """Whether two expressions are the same, if need be once they have one denominator and are multiplied out."""
+    from sympy import expand, fraction, together
 
-    return found == wanted or expand(found - wanted) == 0
+    if found == wanted or expand(found - wanted) == 0:
+        return True
+    numerator: Any = fraction(together(found - wanted))[0]
+    return expand(numerator) == 0
+
+
+def _terms(system: System) -> dict[str, Any]:
+    """The terms of the bracket by their places."""
+    return {f"{i} {j} {m}": to_sympy(c) for i, j, m, c in system.bracket.terms()}
 
 
 def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:

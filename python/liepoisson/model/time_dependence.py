@@ -36,7 +36,8 @@ def suspended(
     A Python function is asked for its formula only where a period is given.
 
     Raises:
-        ParameterError: a period is given, and H does not depend on time, or the period is no number or formula.
+        ParameterError: a period is given, and H does not depend on time, or the period is no number or formula; or H
+            contains the momentum of time.
         BracketError: the bracket has a coordinate p_t.
         ExpressionError: the period is not in the grammar, or a name in it is not known.
     """
@@ -50,6 +51,15 @@ def suspended(
                 "time and for nothing else."
             )
         return bracket, hamiltonian
+    if (
+        _occurs(hamiltonian, MOMENTUM_OF_TIME)
+        and scope_of(bracket, parameters, symbols).owner(MOMENTUM_OF_TIME) is None
+    ):
+        raise ParameterError(
+            f"wanted a Hamiltonian H of the coordinates and of time {TIME}; got {hamiltonian!s:.80} with "
+            f"{MOMENTUM_OF_TIME}, the momentum of time, which is added by itself: K = H + {MOMENTUM_OF_TIME}. Leave it "
+            "out."
+        )
     from liepoisson.structure.suspension import Suspension
 
     whole = Suspension(
@@ -62,11 +72,11 @@ def suspended(
     return whole, cast("Any", hamiltonian) + Symbol(MOMENTUM_OF_TIME)
 
 
-def _occurs(hamiltonian: Any) -> bool:
-    """Whether the name of time is in a formula."""
+def _occurs(hamiltonian: Any, name: str = TIME) -> bool:
+    """Whether the name of time, or of its momentum, is in a formula."""
     if isinstance(hamiltonian, str):
-        return TIME in _NAME.findall(hamiltonian)
-    return any(str(symbol) == TIME for symbol in getattr(hamiltonian, "free_symbols", ()))
+        return name in _NAME.findall(hamiltonian)
+    return any(str(symbol) == name for symbol in getattr(hamiltonian, "free_symbols", ()))
 
 
 def _read_period(given: Any, scope: Scope) -> Expr:

@@ -146,7 +146,12 @@ class VectorNotation:
         return Formula(expression, {}, self.coordinates)
 
     def parameter_vectors(self, expression: Expr) -> dict[str, list[Any]]:
-        """Parameters that are components 1 to n of a vector and all occur: a1, a2, a3 are the vector a."""
+        """Parameters that are components 1 to n of a vector and all occur: a1, a2, a3 are the vector a.
+
+        Where fields are single coordinates there are none: k1 is no vector k.
+        """
+        if self.n < 2:
+            return {}
         names = {str(symbol): symbol for symbol in expression.free_symbols if symbol not in self.places}
         stems = sorted({split_name(name)[0] for name in names})
         wanted = {stem: [f"{stem}{i + 1}" for i in range(self.n)] for stem in stems if stem not in self.fields}

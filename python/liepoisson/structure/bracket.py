@@ -170,7 +170,7 @@ class Bracket(Coordinates):
         if made.angles and not (self.is_linear and not self.entries()):
             names, J = self.coordinate_names_in_order, self.poisson_tensor()
             pairs = ((i, j) for j in range(self.dimension) for i in range(j))
-            periods: Any = {str(x): (x, turn()) for x in self.variables if str(x) in made.angles}
+            periods: Any = {str(x): (x, turn()) for x in made.angle_variables}
             functions: Any = ((f"{{{names[i]}, {names[j]}}}", J[i, j]) for i, j in pairs)
             check_on_circles(functions, periods, "Leave {name} out of angles.")
         return made
@@ -203,7 +203,9 @@ class Bracket(Coordinates):
         algebra = LieAlgebra.from_brackets(
             self.algebra.dimension, {}, f"abelian({self.algebra.dimension})", self.algebra.basis_names, check=False
         )
-        return Bracket(algebra, self.extension, constant=constant, name=f"{self!r}, frozen")
+        made = Bracket(algebra, self.extension, constant=constant, name=f"{self!r}, frozen")
+        made.angles = self.angles
+        return made
 
     def coboundary(self) -> tuple[Expr, ...] | None:
         r"""A point $\xi$ with $c_{ij} = \sum_m c_{ij}{}^m \xi_m$, shape (N,), or None if there is none.
@@ -590,7 +592,8 @@ class Bracket(Coordinates):
 
         $$\{y_a, y_b\} = \sum_{ij} \partial_i y_a\, J_{ij}\, \partial_j y_b .$$
 
-        It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.
+        It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.  Where this bracket
+        has angles the new coordinates must be functions on their circles, or angles that go round once.
 
         Example:
             >>> bent = lp.canonical(1).in_variables({"x": "q1", "y": "p1 + q1^2"}, {"q1": "x", "p1": "y - x^2"})
@@ -605,7 +608,8 @@ class Bracket(Coordinates):
             check: Verify the Jacobi identity of the result, which it has if this is a Poisson bracket.
 
         Raises:
-            BracketError: the functions are not inverse to each other, or a coordinate is missing.
+            BracketError: the functions are not inverse to each other, a coordinate is missing, or a new one is neither
+                a function on the circles of the angles nor an angle.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a name is none that a user may choose.
         """
@@ -643,7 +647,8 @@ class Bracket(Coordinates):
 
         Raises:
             BracketError: a bracket of two functions is no polynomial in them, the Jacobi identity holds only where
-                their relations do, a level does not commute with an invariant, or it was not decided within its limits.
+                their relations do, a level does not commute with an invariant, an invariant is neither a function on
+                the circles of the angles nor an angle, or it was not decided within its limits.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a name is none that a user may choose, or a function is not rational.
 
@@ -682,7 +687,7 @@ class Bracket(Coordinates):
             BracketError: they contradict each other, their gradients are dependent where they vanish, one is constant,
                 or whether they are of second class was not decided.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-            ParameterError: no list of functions.
+            ParameterError: no list of functions, or one is no function on the circle of an angle.
 
         References: Dirac, Canad. J. Math. 2 (1950) 129; [marsden1999], section 8.5.
         """

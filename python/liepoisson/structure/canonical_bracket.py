@@ -89,9 +89,7 @@ def _without_products(fields: tuple[str, ...]) -> Extension:
 
 def _scalar() -> LieAlgebra:
     """The abelian algebra of dimension one whose coordinate is called like its field."""
-    algebra = abelian(1)
-    algebra.basis_names = ("",)
-    return algebra
+    return LieAlgebra.from_brackets(1, {}, "abelian(1)", ("",), check=False)
 
 
 def _names(given: Sequence[str], what: str) -> tuple[str, ...]:

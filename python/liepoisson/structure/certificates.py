@@ -128,7 +128,7 @@ class CasimirCertificate:
     Attributes:
         function: The function.
         holds: The verdict.
-        proved: Whether it is exact; if not, it was tried at random points in 50 digits.
+        proved: Whether it is exact; if not, it was tried at random points in decimals.
         residual: A bracket $\{x_i, C\}$ that is not zero, by the name of the coordinate.
         method: How it was decided, in words.
     """

@@ -2,7 +2,7 @@ r"""Coordinates on circles: which coordinates are angles, and whether a function
 
 A function of a coordinate $\theta$ of period $P$ is one on the circle if $f(\theta + P) = f(\theta)$.  That is proved
 where the difference vanishes once it is multiplied out, as for trigonometric polynomials; else it is tried at 10
-random points in 50 digits.
+random points, in as many digits as its numbers need (`liepoisson.algebra.decimals`).
 """
 
 from __future__ import annotations
@@ -12,16 +12,13 @@ from math import gcd, lcm
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.decimals import vanishes_at
 from liepoisson.errors import BracketError, ParameterError, ShapeError, did_you_mean
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import listed_names
 
 if TYPE_CHECKING:
     from sympy import Expr
-
-_DIGITS = 50
-_ROUND_OFF = 10.0**-30
-"""A difference below this part of the values counts as zero: 20 of 50 digits may be lost."""
 
 
 def read_angles(given: Sequence[str] | None, names: Sequence[str]) -> tuple[str, ...]:
@@ -53,34 +50,79 @@ def turn() -> Expr:
 
 def change(function: Expr, coordinate: Expr, period: Expr) -> Expr:
     r"""The change $f(\theta + P) - f(\theta)$, multiplied out; 0 where it is found to vanish."""
-    from sympy import S, expand
+    from sympy import Add, S, expand
 
     checkpoint("whether a function is one on the circle")
     if coordinate not in function.free_symbols:
         return S.Zero
     moved: Any = function.subs(coordinate, coordinate + period)
-    found: Any = expand(moved) - expand(function)
-    return S.Zero if found == 0 or _vanishes_at_points(found, function) else found
+    after, before = expand(moved), expand(function)
+    found: Any = after - before
+    if found == 0:
+        return S.Zero
+    return S.Zero if _vanishes_at_points([*Add.make_args(after), *Add.make_args(-before)]) else found
 
 
-def _vanishes_at_points(found: Any, function: Any) -> bool:
-    """Whether a difference is round-off, beside the values of a function, at random points where it has a value."""
+def _vanishes_at_points(terms: Sequence[Any]) -> bool:
+    """Whether a sum is round-off at random points where it has a value."""
     from sympy import Rational
 
     from liepoisson.structure.poisson.poisson_tensor import SEEDS
     from liepoisson.structure.poisson.tensor_entries import N_POINTS
 
-    symbols, random = sorted(found.free_symbols | function.free_symbols, key=str), Random(SEEDS[0])
+    symbols, random = sorted({s for term in terms for s in term.free_symbols}, key=str), Random(SEEDS[0])
     n_values = 0
     for _ in range(N_POINTS):
         point = {symbol: Rational(random.randint(1, 1 << 30), 1 << 29) for symbol in symbols}
-        value, size = (complex(one.evalf(_DIGITS, subs=point)) for one in (found, function))
-        if not abs(value) < float("inf"):  # a pole, or a number beyond all doubles
+        if (vanishes := vanishes_at(terms, point)) is None:  # a pole
             continue
         n_values += 1
-        if abs(value) > _ROUND_OFF * max(1.0, abs(size)):
+        if not vanishes:
             return False
     return n_values > 0
+
+
+def angles_among(functions: Mapping[str, Expr], old: Sequence[Expr]) -> tuple[str, ...]:
+    r"""Which of new coordinates y(x) are angles, where the old ones have angles.
+
+    With $y_a(\theta_b + 2\pi) = y_a + 2\pi n_{ab}$ and integers n those are angles whose rows of n are not zero, if the
+    rows are part of a basis of the integer vectors: then all functions on the circles of y are those of x that are
+    functions of y.
+
+    Args:
+        functions: The new coordinates by name, functions of the old ones.
+        old: The old coordinates that are angles.
+
+    Raises:
+        BracketError: a function is changed by a turn by anything else, or the rows are no part of a basis.
+    """
+    from sympy import ZZ, Matrix
+    from sympy.matrices.normalforms import smith_normal_form
+
+    rows: dict[str, list[int]] = {}
+    hint = (
+        "Take functions of sines and cosines of it, or the angle itself; or take a bracket without angles, "
+        "bracket.with_angles([])."
+    )
+    for name, function in functions.items():
+        windings: list[Any] = [change(function, x, turn()) / turn() for x in old]
+        for x, n in zip(old, windings, strict=True):
+            if not n.is_Integer:
+                raise BracketError(
+                    f"new coordinates must be functions on the circle of {x}, or angles; got {name} = "
+                    f"{function!s:.60}, which changes by {n * turn()!s:.60} when {x} grows by a turn. {hint}"
+                )
+        if any(windings):
+            rows[name] = [int(n) for n in windings]
+    if rows:
+        normal = smith_normal_form(Matrix([*rows.values()]), domain=ZZ)
+        if len(rows) > len(old) or any(abs(normal[k, k]) != 1 for k in range(len(rows))):
+            x = ", ".join(map(str, old))
+            raise BracketError(
+                f"new angles must be as many independent ones as go round once; got {', '.join(rows)} for the "
+                f"angle{'s' * (len(old) > 1)} {x}, with the windings {[*rows.values()]}. {hint}"
+            )
+    return tuple(rows)
 
 
 def check_on_circles(

@@ -134,13 +134,23 @@ class ConstraintSurface:
         with mp.workdps(_DIGITS):
             for start, at in self._points():
                 tried += 1
-                C = mp.matrix([[_value(c, at) for c in row] for row in self.brackets])
-                terms = self._terms(start)
+                units = self._units(at)
+                C, terms = mp.matrix([[_value(c, at) for c in row] for row in self.brackets]), self._terms(start)
+                for a in range(C.rows):
+                    for b in range(C.rows):
+                        C[a, b] /= units[a] * units[b]
+                        terms[a, b] /= units[a] * units[b]
                 if abs(mp.det(C)) > _ROUND_OFF * mp.fprod(sum(terms[a, :]) for a in range(C.rows)):
                     return True, tried
                 if tried == _N_POINTS:
                     break
         return False, tried
+
+    def _units(self, at: dict[Any, Any]) -> list[Any]:
+        """The lengths of the gradients, in which the constraints are of one size; 1 for one that is zero."""
+        from mpmath import mp
+
+        return [mp.norm([_value(c, at) for c in row]) or mp.mpf(1) for row in self.slopes]
 
     def _terms(self, at: dict[Any, Any]) -> Any:
         r"""The sums of the sizes $|\partial_i\phi_a\,J_{ij}\,\partial_j\phi_b|$."""
@@ -168,8 +178,11 @@ class ConstraintSurface:
             }
             start = dict(at)
             for _ in range(_N_ITERATIONS):
-                values = mp.matrix([_value(f, at) for f in self.functions])
-                slopes = mp.matrix([[_value(c, at) for c in row] for row in self.slopes])
+                units = self._units(at)
+                values = mp.matrix([_value(f, at) / unit for f, unit in zip(self.functions, units, strict=True)])
+                slopes = mp.matrix(
+                    [[_value(c, at) / unit for c in row] for row, unit in zip(self.slopes, units, strict=True)]
+                )
                 try:
                     step = slopes.T * mp.lu_solve(slopes * slopes.T, values)
                 except (ZeroDivisionError, ValueError):

@@ -33,6 +33,7 @@ from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.given import is_named, listed, named, sequence
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.circles import angles_among
 from liepoisson.structure.cohomology.change_of_basis import in_basis, inverse
 from liepoisson.structure.coordinates import read_function
 from liepoisson.structure.extension import Extension, Products
@@ -122,6 +123,7 @@ def contraction(
 
     Raises:
         ContractionError: there is no limit; the error names the product that grows, and how.
+        BracketError: a coordinate that is an angle is scaled.
         ParameterError: a weight is not an integer, a name is unknown or taken, P(t) is not invertible, or an integral
             is no polynomial.
         ShapeError: not one weight, or row, for each.
@@ -273,6 +275,21 @@ class _Group:
             brackets.setdefault((i, j), {})[k] = value if not power else to_sympy(value) * self.t**power
         return self._bracket(rows, brackets, self.constants(), f" at {self.t}")
 
+    @cached_property
+    def angles(self) -> tuple[str, ...]:
+        """The angles of the new variables.
+
+        Raises:
+            BracketError: one is scaled, and is none any more.
+        """
+        x, n = self.bracket.variables, self.bracket.algebra.dimension
+        moved = {
+            str(x[mu * n + k]): sum(p * self.t**power * x[nu * n + k] for nu, p in enumerate(row))
+            for mu, row in enumerate(self.rows)
+            for k, power in enumerate(self.powers)
+        }
+        return angles_among(moved, self.bracket.angle_variables)
+
     def _bracket(self, products: Any, brackets: Any, constant: Any, suffix: str) -> Bracket:
         old, extension = self.bracket.algebra, self.bracket.extension
         algebra = old
@@ -282,7 +299,8 @@ class _Group:
         A = Extension.from_products(
             extension.dimension, products, f"{extension.name}{suffix}", extension.field_names, check=False
         )
-        return Bracket(algebra, A, self.bracket.field_names, constant=constant, check=False)
+        made = Bracket(algebra, A, self.bracket.field_names, constant=constant, check=False)
+        return made.with_angles(self.angles)
 
     def limit(self) -> Bracket:
         """The limit as t goes to 0.

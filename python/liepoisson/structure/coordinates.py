@@ -108,6 +108,11 @@ class Coordinates(ABC):
         return tuple(Symbol(name) for name in self.coordinate_names_in_order)
 
     @property
+    def angle_variables(self) -> tuple[Symbol, ...]:
+        """The coordinates that are angles."""
+        return tuple(x for x in self.variables if str(x) in self.angles) if self.angles else ()
+
+    @property
     def fields(self) -> dict[str, Column]:
         """The coordinates as one column vector per field, by name."""
         from sympy import Matrix

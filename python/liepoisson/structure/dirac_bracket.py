@@ -19,6 +19,7 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.errors import BracketError, ConstraintError, ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.circles import check_on_circles, turn
 from liepoisson.structure.constraint_surface import ConstraintSurface
 from liepoisson.structure.given_functions import listed_functions, read_function, scope_of
 from liepoisson.structure.poisson.pfaffians import pfaffian_of
@@ -29,6 +30,12 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.formula.scope import Scope
+
+_ON_LINES = (
+    "Write it by sines and cosines, sin({name}) for {name}, or take a bracket where {name} is no angle, "
+    "bracket.with_angles([])."
+)
+"""What to do about a constraint that is no function on the circles of the bracket."""
 
 
 def dirac_bracket(
@@ -64,7 +71,9 @@ def dirac_bracket(
                 found[i, j] = field.to_sympy(entry)
     known = bracket.jacobi if isinstance(bracket, PoissonTensor) else "proved"
     casimirs = [*functions, *known_casimirs(bracket)]
-    return tensor_of(bracket.coordinate_names_in_order, found, casimirs=casimirs, jacobi=known, are_nonzero=True)
+    made = tensor_of(bracket.coordinate_names_in_order, found, casimirs=casimirs, jacobi=known, are_nonzero=True)
+    made.angles = bracket.angles
+    return made
 
 
 def _image(slopes: Mapping[int, Any], entries: Mapping[tuple[int, int], Any], field: Coefficients) -> dict[int, Any]:
@@ -116,4 +125,6 @@ def _read(given: Any, bracket: Bracket, scope: Scope) -> list[Expr]:
     for function in functions:
         if not function.free_symbols & {*bracket.variables}:
             raise BracketError(f"a constraint must depend on the coordinates; got {function}. Leave it out.")
+    circles: Any = {str(x): (x, turn()) for x in bracket.angle_variables}
+    check_on_circles((("a constraint", function) for function in functions), circles, _ON_LINES)
     return functions

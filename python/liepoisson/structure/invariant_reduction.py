@@ -30,6 +30,7 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import by_name
 from liepoisson.inputs.names import check_name
 from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.circles import angles_among
 from liepoisson.structure.given_functions import read_function, read_variables, scope_of
 from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 from liepoisson.structure.tensor_sources import known_casimirs
@@ -52,6 +53,7 @@ def in_invariants(
     functions = {name: read_function(given[name], scope, name) for name in names}
     momenta = {name: read_function(values[name], scope, name) for name in named}
     _check_levels(bracket, functions, momenta)
+    angles = angles_among(functions, bracket.angle_variables)
     everything = [*momenta.items(), *functions.items()]
     try:
         made, ring = _closed(bracket, functions, dict(everything), None)
@@ -64,7 +66,7 @@ def in_invariants(
         if own and not made.formulas.image(candidate):
             casimirs += [candidate] if made.formulas.n_independent([*casimirs, candidate]) > len(casimirs) else []
     made.given_casimirs = tuple(casimirs)
-    return made
+    return made.with_angles(angles)
 
 
 def _closed(

@@ -58,7 +58,8 @@ class LieAlgebra:
     Args:
         structure_constants: `c[i][j][k]`, exact, shape (n, n, n).
         name: How it is printed.
-        basis_names: Names of $e_1, \dots, e_n$; "1", "2", ... if left out.
+        basis_names: Names of $e_1, \dots, e_n$; "1", "2", ... if left out.  A single one may be "": then a coordinate
+            has the name of its field.
         check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
 
     Attributes:
@@ -469,6 +470,8 @@ def _check_basis_names(names: tuple[str, ...]) -> None:
     Raises:
         ParameterError: there are such names.
     """
+    if names == ("",):  # each coordinate is a field, with its name
+        return
     for name in names:
         if not _NAME_PART.fullmatch(name):
             raise ParameterError(

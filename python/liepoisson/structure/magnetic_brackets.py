@@ -1,7 +1,7 @@
 r"""Brackets of a charged particle in a magnetic field B(x): of its place and velocity, and of its guiding centre.
 
 Both are brackets if and only if div B = 0, which is decided for rational fields, proved for others where no relation
-between functions is needed, and else tried at random points in 50 digits.  The first has the cyclic sum
+between functions is needed, and else tried at random points in decimals.  The first has the cyclic sum
 $(e/m^3)\,\mathrm{div} B$ for the three velocities.  The second is the inverse of the closed form
 $d((e A + m u\,b)\cdot dX)$, $B = \mathrm{curl} A$.
 

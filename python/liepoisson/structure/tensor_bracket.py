@@ -59,7 +59,7 @@ class PoissonTensor(Bracket):
     $$\sum_m \partial_m J_{ij}\, J_{mk} + \text{cyclic} = 0,$$
 
     is decided exactly for rational entries.  For others it is proved where it follows without relations between
-    functions, such as $\sin^2 + \cos^2 = 1$, and else tried at 10 random points in 50 digits; `jacobi` says which.
+    functions, such as $\sin^2 + \cos^2 = 1$, and else tried at 10 random points in decimals; `jacobi` says which.
 
     Example:
         >>> entries = {("x", "y"): "x*y", ("y", "z"): "y*z", ("z", "x"): "z*x"}
@@ -267,7 +267,7 @@ class PoissonTensor(Bracket):
             elif residual != 0:
                 return JacobiCertificate(False, n_triples, f"computed: {method}", (Failure(names, residual),))
         if open_ones:
-            tried = f"tried: {open_ones} of {n_triples} triples at {N_POINTS} random points in 50 digits"
+            tried = f"tried: {open_ones} of {n_triples} triples at {N_POINTS} random points in decimals"
             return JacobiCertificate(True, n_triples, tried, n_points=N_POINTS)
         return JacobiCertificate(True, n_triples, f"computed: {method}")
 

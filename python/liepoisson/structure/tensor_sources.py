@@ -13,6 +13,7 @@ from liepoisson.inputs.given import by_name, listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.circles import angles_among
 from liepoisson.structure.given_functions import check_distinct, read_function, read_variables, scope_with
 from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 
@@ -147,7 +148,9 @@ def product(first: Bracket, second: Bracket) -> PoissonTensor:
     n = len(own)
     moved = {(i + n, j + n): entry for (i, j), entry in entries_of(second).items()}
     casimirs = [*known_casimirs(first), *known_casimirs(second)]
-    return tensor_of((*own, *other), entries_of(first) | moved, casimirs=casimirs)
+    made = tensor_of((*own, *other), entries_of(first) | moved, casimirs=casimirs)
+    made.angles = (*first.angles, *second.angles)
+    return made
 
 
 def changed(
@@ -175,6 +178,7 @@ def changed(
                 f"the functions must be inverse to each other; with `inverse` inserted {name} becomes "
                 f"{found.expand()!s:.80}. Correct one of them."
             )
+    angles = angles_among(dict(zip(new, forward, strict=True)), bracket.angle_variables)
     slopes = [{i: f.diff(Symbol(x)) for i, x in enumerate(old)} for f in forward]
     entries: dict[tuple[int, int], Any] = {}
     for a in range(len(new)):
@@ -188,7 +192,9 @@ def changed(
             )
             entries[a, b] = _shortened(total.xreplace(inserted), new)
     casimirs = [_shortened(cast("Any", casimir).xreplace(inserted), new) for casimir in known_casimirs(bracket)]
-    return tensor_of(new, entries, casimirs=casimirs, jacobi=None if check else "not checked")
+    made = tensor_of(new, entries, casimirs=casimirs, jacobi=None if check else "not checked")
+    made.angles = angles
+    return made
 
 
 def entries_of(bracket: Bracket) -> dict[tuple[int, int], Any]:

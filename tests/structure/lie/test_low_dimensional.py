@@ -242,3 +242,21 @@ def test_a_parameter_may_stay_a_name():
 def test_refusals(call, words):
     with pytest.raises(ParameterError, match=words):
         call()
+
+
+def test_signs_of_algebraic_numbers_tell_so3_from_sl2():
+    """A basis of sl(2, R) with the Killing form of diag(1, -1) and E12, E21, of signature (2, 1), in other units."""
+    r = sp.sqrt(2)
+    e, f = sp.Matrix([[0, 1], [0, 0]]), sp.Matrix([[0, 0], [1, 0]])
+    split = lp.LieAlgebra.from_matrices([sp.diag(r, -r), sp.sqrt(3) * e, f])
+    compact = lp.LieAlgebra.from_brackets(3, {(0, 1): {2: r}, (1, 2): {0: 1 + r}, (2, 0): {1: sp.sqrt(3)}})
+    assert split.killing_signature() == (2, 1, 0)
+    assert identify(split).name == "A3,8"
+    assert compact.killing_signature() == (0, 3, 0)
+    assert identify(compact).name == "A3,9"
+
+
+def test_symbols_leave_a_signature_open():
+    scaled = lp.LieAlgebra.from_brackets(3, {(0, 1): {2: "k"}, (1, 2): {0: 1}, (2, 0): {1: 1}})
+    with pytest.raises(ParameterError, match=r"symbols k\. Give values to them"):
+        scaled.killing_signature()

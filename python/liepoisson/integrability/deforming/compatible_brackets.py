@@ -154,7 +154,7 @@ def pencil(first: Bracket, second: Bracket, parameter: str = "t") -> Bracket:
     if not jacobi.holds:
         failure = jacobi.failures[0]
         raise CompatibilityError(failure.coordinates, str(Formula(failure.residual).plain))
-    return found
+    return found.with_angles([name for name in found.coordinate_names_in_order if name in first.angles + second.angles])
 
 
 def _sum(first: Mapping[Any, Mapping[int, Any]], second: Mapping[Any, Mapping[int, Any]], t: Any) -> dict[Any, Any]:

@@ -135,7 +135,8 @@ class Deformation:
                 f"a deformed bracket needs a Lie algebra; got the extension {self.given.name} alone. Ask for the "
                 "cocycles of a bracket, or write so(3) @ deformation.extension()."
             )
-        return Bracket(self.given.algebra, self.extension(values), self.given.field_names)
+        made = Bracket(self.given.algebra, self.extension(values), self.given.field_names)
+        return made.with_angles(self.given.angles)
 
     def _read(self, values: Values | None) -> dict[str, Exact]:
         kept: dict[str, Exact] = {name: read_parameter(name, name) for name in self.parameters}

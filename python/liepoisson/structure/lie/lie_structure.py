@@ -16,8 +16,10 @@ from typing import Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
-from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, symbols_of
 from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.quadratic_forms import diagonalise
+from liepoisson.algebra.real_fields import RealRationals, real_field
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_methods
 
@@ -196,37 +198,31 @@ class LieStructure:
 def signature(form: ExactMatrix) -> tuple[int, int, int]:
     r"""Numbers of positive, negative and zero eigenvalues of a symmetric form.
 
-    All its eigenvalues are real, so Descartes' rule of signs counts the positive roots of the characteristic polynomial
-    exactly.
+    Of a rational form all roots of the characteristic polynomial are real, so that Descartes' rule of signs counts the
+    positive ones exactly.  Another one is made diagonal in the field of its entries, by Sylvester's law of inertia.
 
     Raises:
-        ParameterError: the form is not a rational one times a number of known sign (symbols leave its signature open).
+        ParameterError: symbols leave the signature open, or there is no exact field of real numbers with the entries.
     """
     from flint import fmpq, fmpq_mat
 
-    n, rational = len(form), _rational_multiple(form)
-    entries: Any = [fmpq(value.numerator, value.denominator) for row in rational for value in row]
-    matrix: Any = fmpq_mat(n, n, entries)
+    entries = [value for row in form for value in row]
+    if names := sorted(set[str]().union(*map(symbols_of, entries))):
+        raise ParameterError(
+            f"a signature needs a form of numbers; got the symbols {', '.join(names)}. Give values to them with "
+            "substitute."
+        )
+    n, field = len(form), real_field(entries)
+    if not isinstance(field, RealRationals):
+        read = [[field.read(value) for value in row] for row in form]
+        signs = [field.sign(q) for _, q in diagonalise(field, read)]
+        return signs.count(1), signs.count(-1), n - len(signs)
+    rational: Any = [field.write(field.read(value)) for value in entries]
+    matrix: Any = fmpq_mat(n, n, [fmpq(value.numerator, value.denominator) for value in rational])
     signs = [c > 0 for c in matrix.charpoly().coeffs() if c != 0]
     positive = sum(first != second for first, second in pairwise(signs))
     rank = int(matrix.rref()[1])
     return positive, rank - positive, n - rank
-
-
-def _rational_multiple(form: ExactMatrix) -> list[list[Fraction]]:
-    """The form divided by a positive number that makes its entries rational."""
-    entries = [value for row in form for value in row]
-    if all(isinstance(value, Fraction) for value in entries):
-        return [[value for value in row if isinstance(value, Fraction)] for row in form]
-    factor: Any = to_sympy(next((value for value in entries if not is_zero(value)), Fraction(1)))
-    ratios = [[(to_sympy(value) / factor).simplify() for value in row] for row in form]
-    if factor.is_positive is None or not all(ratio.is_Rational for row in ratios for ratio in row):
-        raise ParameterError(
-            f"a signature needs a form with rational entries, up to one common factor of known sign; got the entry "
-            f"{factor} among others. Give values to the symbols with substitute."
-        )
-    sign = 1 if factor.is_positive else -1
-    return [[sign * Fraction(int(ratio.p), int(ratio.q)) for ratio in row] for row in ratios]  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def _remembered_product() -> Callable[[Element, Element], Element]:

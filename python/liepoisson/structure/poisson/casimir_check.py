@@ -1,8 +1,9 @@
 r"""Whether a function is a Casimir, $J \nabla C = 0$: decided in the field that all generate, or tried at points.
 
 Of rational functions everything is decided.  Other parts, such as exp(x), are taken as independent, so that what
-cancels is proved; what does not is tried at random points in 50 digits: one point where a component is not zero refutes
-it, ten where all vanish are no proof, and the answer says so.
+cancels is proved; what does not is tried at random points, in as many digits as its numbers need
+(`liepoisson.algebra.decimals`): one point where a component is not zero refutes it, ten where all vanish are no proof,
+and the answer says so.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.decimals import vanishes_at
 from liepoisson.algebra.function_fields import RationalFunctions
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.formula.expression import read_expression
@@ -28,10 +30,6 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.structure.bracket import Bracket
-
-_DIGITS = 50
-_ROUND_OFF = 10.0**-30
-"""A sum below this part of its terms counts as zero: 20 of 50 digits may be lost."""
 
 
 def casimir_certificate(bracket: Bracket, function: Expr) -> CasimirCertificate:
@@ -166,22 +164,20 @@ def _tried(bracket: Bracket, function: Expr, rows: Sequence[tuple[int, list[tupl
     tried = 0
     for point in _points([*bracket.variables, *symbols]):
         checkpoint("values of the brackets of a function")
-        values: list[tuple[int, list[Any], list[Any]]] = [
-            (i, terms, [term.xreplace(point).evalf(_DIGITS) for term in terms]) for i, terms in products
-        ]
-        if not all(value.is_finite for *_, row in values for value in row):
+        verdicts = [(i, terms, vanishes_at(terms, point)) for i, terms in products]
+        if any(vanishes is None for *_, vanishes in verdicts):
             continue
         tried += 1
-        for i, terms, row in values:
-            if abs(sum(row)) > _ROUND_OFF * sum(map(abs, row)):
+        for i, terms, vanishes in verdicts:
+            if not vanishes:
                 found = {names[i]: Add(*terms)}
-                return CasimirCertificate(function, False, False, found, "not zero at a random point, in 50 digits")
+                return CasimirCertificate(function, False, False, found, "not zero at a random point, in decimals")
     if not tried:
         raise ParameterError(
             f"a function that cannot be decided must be defined where coordinates lie between -1 and 1, where it is "
             f"tried; got {function!s:.60}, which is defined at none of {N_POINTS} points there. Move the coordinates."
         )
-    return CasimirCertificate(function, True, False, {}, f"tried at {tried} random points in 50 digits")
+    return CasimirCertificate(function, True, False, {}, f"tried at {tried} random points, in decimals")
 
 
 def _points(symbols: Sequence[Any]) -> Iterator[dict[Any, Any]]:

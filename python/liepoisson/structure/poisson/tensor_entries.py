@@ -3,7 +3,7 @@ r"""Poisson tensors by the formulas of their entries: Jacobi identity, rank and 
 The entries, their derivatives and what is compared with them are elements of the field that they generate with the
 coordinates and the parameters: of rational functions, in which equality is decided, or of rational functions in
 further generators such as sin(x1), of which only "is zero" is a proof.  Where that leaves an identity open it is tried
-at random points in 50 digits.
+at random points, in as many digits as its numbers need.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.decimals import decimals, round_off, vanishes_at
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank, rank_mod
 from liepoisson.errors import ParameterError
@@ -36,10 +37,6 @@ Triple: TypeAlias = tuple[int, int, int]
 
 N_POINTS = 10
 """Random points at which an identity is tried that is not decided."""
-
-_DIGITS = 50
-_ROUND_OFF = 10.0**-30
-"""A sum below this part of its terms counts as zero: 20 of 50 digits may be lost."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +147,7 @@ class TensorEntries:
         return field.to_sympy(total) if field.decides and self.is_rational else None
 
     def jacobi_fails_at_a_point(self, triple: Triple) -> Expr | None:
-        """The cyclic sum as it stands where it is not zero at a point; None if it is at all, in 30 digits.
+        """The cyclic sum as it stands where it is not zero at a point; None if it is at all.
 
         Where the entries are not real they are continued analytically; points where they are not defined are passed
         over.
@@ -163,11 +160,10 @@ class TensorEntries:
         products: list[Any] = [cast("Any", first) * second for first, second in self._cyclic(triple)]
         tried = 0
         for point in self.points():
-            values = _values(products, point)
-            if not all(value.is_finite for value in values):
+            if (vanishes := vanishes_at(products, point)) is None:
                 continue
             tried += 1
-            if abs(sum(values)) > _ROUND_OFF * sum(map(abs, values)):
+            if not vanishes:
                 return Add(*products)
         if not tried:
             raise ParameterError(
@@ -283,7 +279,7 @@ class TensorEntries:
         return rank([row for row in rows if row], field)
 
     def rank_of(self, rows: Sequence[Mapping[int, Expr]]) -> int:
-        """The rank of a matrix of functions at a random point: modulo a prime, or in 50 digits."""
+        """The rank of a matrix of functions at a random point: modulo a prime, or in decimals."""
         field = Coefficients.containing([*self.variables, *(e for row in rows for e in row.values())])
         if _is_rational(field, self.variables):
             for seed in SEEDS:
@@ -295,8 +291,13 @@ class TensorEntries:
                     continue
                 return rank_mod(images, self.dimension, residues.p)
         flat = [(i, j, e) for i, row in enumerate(rows) for j, e in row.items()]
-        values = _values([e for *_, e in flat], next(self.points()))
-        return _numeric_rank(flat, values, len(rows), self.dimension)
+        for point in self.points():
+            if (found := decimals([e for *_, e in flat], point)) is not None:
+                return _numeric_rank(flat, found[0], found[2], len(rows), self.dimension)
+        raise ParameterError(
+            "functions whose rank is tried must be defined where coordinates and parameters lie between 0 and 1; these "
+            "are not. Move the coordinates."
+        )
 
     def rank_at(self, point: Sequence[Exact]) -> int:
         """The rank at a point; parameters are generic.
@@ -375,29 +376,23 @@ def _factors(powers: Sequence[int]) -> tuple[int, ...]:
     return tuple(k for k, power in enumerate(powers) for _ in range(power))
 
 
-def _values(expressions: Sequence[Any], point: Mapping[str, Any]) -> list[Any]:
-    """The values in 50 digits."""
-    found: list[Any] = []
-    for expression in expressions:
-        checkpoint("values of a Poisson tensor")
-        at = {symbol: point[str(symbol)] for symbol in expression.free_symbols if str(symbol) in point}
-        value = expression.xreplace(at).evalf(_DIGITS)
-        found.append(value)
-    return found
+def _numeric_rank(
+    flat: Sequence[tuple[int, int, Any]], values: Sequence[Any], digits: int, n_rows: int, n_columns: int
+) -> int:
+    """The rank of a matrix of decimals, by elimination with the largest pivots, until they are round-off."""
+    from mpmath import mp
 
-
-def _numeric_rank(flat: Sequence[tuple[int, int, Any]], values: Sequence[Any], n_rows: int, n_columns: int) -> int:
-    """The rank of a matrix of numbers of 50 digits, by elimination with the largest pivots."""
     rows: list[list[Any]] = [[0] * n_columns for _ in range(n_rows)]
     for (i, j, _), value in zip(flat, values, strict=True):
         rows[i][j] = value
-    largest = max((abs(value) for row in rows for value in row), default=0)
     found = 0
-    while rows:
-        size, i, j = max((abs(value), i, j) for i, row in enumerate(rows) for j, value in enumerate(row))
-        if not size or size <= _ROUND_OFF * largest:
-            break
-        pivot = rows.pop(i)
-        rows = [[x - row[j] / pivot[j] * y for x, y in zip(row, pivot, strict=True)] for row in rows]
-        found += 1
+    with mp.workdps(digits):
+        smallest = round_off(digits) * max((abs(value) for row in rows for value in row), default=0)
+        while rows:
+            size, i, j = max((abs(value), i, j) for i, row in enumerate(rows) for j, value in enumerate(row))
+            if not size or size <= smallest:
+                break
+            pivot = rows.pop(i)
+            rows = [[x - row[j] / pivot[j] * y for x, y in zip(row, pivot, strict=True)] for row in rows]
+            found += 1
     return found
