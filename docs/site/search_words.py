@@ -36,8 +36,8 @@ WORDS = {
     # Exponents and chaos.
     "exponents": "lyapunov exponent lyapunov convergence converge uncertainty error bars confidence interval "
     "finite-time ftle saturation benettin tangent vectors deviation vectors variational",
-    "noise": "stochastic sde random brownian stratonovich langevin thermal temperature bath gibbs fluctuation kolmogorov "
-    "fokker planck ensemble hitting time escape kubo",
+    "noise": "stochastic sde random brownian stratonovich langevin thermal temperature bath gibbs fluctuation "
+    "kolmogorov fokker planck ensemble hitting time escape kubo",
     "spectrum": "lyapunov spectrum exponents convergence uncertainty error bars confidence tangent vectors "
     "covariant vectors clv clvs ginelli qr gram schmidt hamiltonian flow oseledets kaplan yorke",
     "chaos": "chaos indicators megno sali gali frequency map analysis laskar naff sticky orbit regular "

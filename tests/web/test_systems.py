@@ -42,7 +42,7 @@ UNTIL = {
     "shaken pendulum": 60.0,
     "two frequencies": 60.0,
 }
-"""Times up to which rounding stays small: the second is chaotic, with an exponent of 0.1, and the others turn and turn."""
+"""Times up to which rounding stays small: the second is chaotic, its exponent is 0.1, and the others turn."""
 BOUND = 1e-9
 """Of differences of times, states and exponents."""
 

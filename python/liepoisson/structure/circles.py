@@ -115,7 +115,7 @@ def angles_among(functions: Mapping[str, Expr], old: Sequence[Expr]) -> tuple[st
         if any(windings):
             rows[name] = [int(n) for n in windings]
     if rows:
-        normal = smith_normal_form(Matrix([*rows.values()]), domain=ZZ)
+        normal: Any = smith_normal_form(Matrix([*rows.values()]), domain=ZZ)
         if len(rows) > len(old) or any(abs(normal[k, k]) != 1 for k in range(len(rows))):
             x = ", ".join(map(str, old))
             raise BracketError(

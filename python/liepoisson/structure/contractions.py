@@ -283,7 +283,7 @@ class _Group:
             BracketError: one is scaled, and is none any more.
         """
         x, n = self.bracket.variables, self.bracket.algebra.dimension
-        moved = {
+        moved: dict[str, Any] = {
             str(x[mu * n + k]): sum(p * self.t**power * x[nu * n + k] for nu, p in enumerate(row))
             for mu, row in enumerate(self.rows)
             for k, power in enumerate(self.powers)

@@ -127,7 +127,8 @@ class FileFamily(Family):
             warnings.simplefilter("ignore", InertiaWarning)
             exact = {name: _exact(value) for name, value in values.items()}
             parameters = {**self._file.parameters, **exact}
-            return replace(self._file, parameters=parameters, symbols=(), integrals={}).system()
+            file: Any = self._file
+            return replace(file, parameters=parameters, symbols=(), integrals={}).system()
 
     def top(self, values: Mapping[str, Any]) -> TopField | None:
         """The parameters of the top, from formulas in those of the file."""
