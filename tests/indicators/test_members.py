@@ -22,6 +22,9 @@ INDICATORS = {
     for name, row in rows().items()
     if {"first", "starts"} <= {*inspect.signature(row.function).parameters}
 }
+INDICATORS |= {  # their rows have a system of three components
+    name: partial(run, system=TOP, noises=["l1", "alpha2"]) for name, run in INDICATORS.items() if "stochastic" in name
+}
 INDICATORS |= {
     "alignment on the leaf": partial(lp.chaos.alignment, TOP, times=[3], within="leaf"),
     "alignment on the energy surface": partial(lp.chaos.alignment, TOP, times=[3], within="energy"),

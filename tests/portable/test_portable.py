@@ -263,5 +263,5 @@ def test_streams_keep_their_numbers():
     assert {one.name: one.value for one in streams.Purpose} == {
         "STATES": 0, "TANGENTS": 1, "FRAMES": 2, "TRIANGLES": 3, "ALIGNMENT": 4, "EQUILIBRIA": 5, "LEAF": 10,
         "CHAINS": 11, "SYMMETRIC_ORBITS": 12, "HOMOCLINIC_ORBITS": 13, "PERIODIC_ORBITS": 14, "CONNECTING_ORBITS": 15,
-        "DIRECTIONS": 16, "PERIOD_LATTICE": 17, "CRITICAL_POINTS": 18, "FIBRES": 19, "SECTION": 0x5EC7,
+        "DIRECTIONS": 16, "PERIOD_LATTICE": 17, "CRITICAL_POINTS": 18, "FIBRES": 19, "NOISE": 30, "SECTION": 0x5EC7,
     }  # fmt: skip

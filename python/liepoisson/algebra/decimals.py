@@ -115,6 +115,9 @@ class _Evaluation:
         return p / q
 
     def _combined(self, e: Any) -> Any:
+        name = e.func.__name__
+        if not (e.is_Add or e.is_Mul or e.is_Pow or name in ELEMENTARY_FUNCTIONS):
+            return self._other(e)
         values = [self.value(part) for part in e.args]
         if e.is_Add:
             return self._mp.fsum(values)
@@ -122,8 +125,7 @@ class _Evaluation:
             return self._mp.fprod(values)
         if e.is_Pow:
             return values[0] ** (int(e.exp) if e.exp.is_Integer else values[1])
-        name = e.func.__name__
-        return getattr(self._mp, name)(*values) if name in ELEMENTARY_FUNCTIONS else self._other(e)
+        return getattr(self._mp, name)(*values)
 
     def _other(self, e: Any) -> Any:
         """The value by SymPy's own arithmetic."""

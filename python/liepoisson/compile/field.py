@@ -246,7 +246,10 @@ def at_rest(field: Field, component: int) -> Field:
 
 def record_of(field: Field) -> dict[str, Any]:
     """The field as plain data that JSON can write, with its kind."""
-    return {"kind": field.kind, **asdict(field)}
+    record = asdict(field)
+    if not record.get("size_limits", True):
+        del record["size_limits"]
+    return {"kind": field.kind, **record}
 
 
 def field_of(record: Mapping[str, Any]) -> Field:

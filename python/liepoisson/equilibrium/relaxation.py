@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.compile.symbols import evaluated
 from liepoisson.damping.damped_system import DampedSystem, double_bracket
 from liepoisson.equilibrium.leaf_equilibria import equilibrium_near
@@ -193,8 +194,6 @@ def _undamped(system: Any) -> System:
 
 def _lowered(system: System, along: Any) -> System:
     r"""The system with the Hamiltonian $H - \sum_j\Omega_j K_j$."""
-    from sympy import sympify
-
     given = named({} if along is None else along, "along")
     if given is None:
         raise not_a("a rate for each integral by name", along, "along", 'write for example along={"l3": "1/2"}')
@@ -206,7 +205,7 @@ def _lowered(system: System, along: Any) -> System:
         if not system.is_constant(integral):
             raise ParameterError(f"along: wanted integrals of {system.name}; {name} is not constant; leave it out")
         rates[name] = read_parameter(value, f"along: {name}")
-        energy -= sympify(rates[name]) * integral
+        energy -= to_sympy(rates[name]) * integral
     if not given:
         return system
     words = " - ".join(["H", *(f"{value}*{name}" for name, value in rates.items())])

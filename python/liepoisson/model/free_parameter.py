@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.compile.field import QuadraticField, TapeField
 from liepoisson.compile.symbols import evaluated
 from liepoisson.formula.parameters import Parameter, flattened
@@ -118,7 +119,7 @@ class StateAndParameters:
         rates: Any = tuple(symbolic.equations.values())
         if units is not None:
             scales = zip(self.parameters, map(Fraction, units), strict=True)
-            scaled: Any = {p: p * S(unit.numerator) / unit.denominator for p, unit in scales}
+            scaled: Any = {p: p * to_sympy(unit) for p, unit in scales}
             rates = tuple(rate.xreplace(scaled) for rate in rates)
         self._rates = (*rates, *(cast("Expr", S.Zero) for _ in names))
 

@@ -30,6 +30,13 @@ from liepoisson.numeric.systems import HasBracket
 class FirstPassages(NoisyRun):
     r"""Times at which trajectories were first seen on the other side of a surface, at ends of steps.
 
+    Example:
+        >>> spin, starts = lp.System(lp.so(3) @ lp.trivial(), "l3"), np.tile([0, 0, 1.0], (5, 1))
+        >>> noise = {"noises": ["l1", "l2"], "method": lp.Splitting(0.05)}
+        >>> run = lp.stochastic.first_passages(spin, starts, function="l3", t_end=50, **noise)
+        >>> bool(run.passed.all()), bool((run.coarse_time >= run.time).all())
+        (True, True)
+
     Attributes:
         noises: The noise Hamiltonians.
         inverse_temperature: That of the law of Gibbs to which the damping leads, or 0.

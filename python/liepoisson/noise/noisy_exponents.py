@@ -33,6 +33,13 @@ _RANK = 1e-10
 class NoisyExponents(NoisyRun):
     """Largest Lyapunov exponents along trajectories with noise, on their leaves.
 
+    Example:
+        >>> spin, starts = lp.System(lp.so(3) @ lp.trivial(), "l3"), np.tile([0, 0, 1.0], (5, 1))
+        >>> noise = {"noises": ["l1", "l2"], "method": lp.Splitting(0.05)}
+        >>> run = lp.stochastic.noisy_exponents(spin, starts, t_end=5, n_blocks=10, **noise)
+        >>> run.exponent.shape, run.rates.shape
+        ((5,), (5, 10))
+
     Attributes:
         noises: The noise Hamiltonians.
         inverse_temperature: That of the law of Gibbs to which the damping leads, or 0.

@@ -27,6 +27,13 @@ from liepoisson.numeric.systems import HasBracket
 class StationaryLaw(NoisyRun):
     """A histogram of a function along trajectories with noise.
 
+    Example:
+        >>> spin, starts = lp.System(lp.so(3) @ lp.trivial(), "l3"), np.tile([0, 0, 1.0], (5, 1))
+        >>> noise = {"noises": ["l1", "l2"], "method": lp.Splitting(0.05)}
+        >>> run = lp.stochastic.stationary_law(spin, starts, "l3", edges=[-1, 0, 1], t_end=5, n_samples=10, **noise)
+        >>> run.fraction.sum(axis=1).round(12).tolist()  # l3 = 1 at the start is in the last bin
+        [1.0, 1.0, 1.0, 1.0, 1.0]
+
     Attributes:
         noises: The noise Hamiltonians.
         inverse_temperature: That of the law of Gibbs to which the damping leads, or 0.

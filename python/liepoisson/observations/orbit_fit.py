@@ -251,7 +251,8 @@ def with_error(value: float, error: float) -> str:
         return f"{value:.6g}, not determined"
     if not np.isfinite(error) or error <= 0:
         return f"{value:.10g}"
-    digits = -int(np.floor(np.log10(error))) + (f"{error:.0e}"[0] == "1")
+    first, _, exponent = f"{error:.0e}".partition("e")
+    digits = (first == "1") - int(exponent)
     if not -6 < digits < 16:
         return f"{value:.10g} ± {error:.1g}"
     return f"{value:.{max(digits, 0)}f} ± {error:.{max(digits, 0)}f}"

@@ -278,6 +278,7 @@ def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
 
 _FIGURES: dict[str, Callable[..., Any]] = {
     "orbit": orbit,
+    "noisy orbits": orbit,
     "orbit fit": orbit_fit,
     "chart orbit": lambda result, **options: orbit(result.run, **options),
     "attitude": lambda result, **options: orbit(result.orbit, **options),

@@ -33,6 +33,7 @@ const AT_ONCE = 200;
 export class Computation {
   private readonly held: { free(): void }[] = [];
   private readonly field: Field;
+  private readonly tangentField: Field;
   private readonly moving: Field;
   private readonly method: Method;
   private readonly surface: Functions;
@@ -61,6 +62,7 @@ export class Computation {
   constructor(private readonly core: Core, private readonly job: Job | SystemJob, private readonly model: Model = modelOf(core, job)) {
     const { start, tol } = job;
     this.field = this.hold(core.field(model.field));
+    this.tangentField = this.hold(core.field(model.tangentField));
     this.moving = this.hold(core.field(model.moving));
     this.method = this.hold(core.method({ kind: "taylor", tol }));
     this.surface = this.hold(core.functions(model.surface));
@@ -200,7 +202,7 @@ export class Computation {
 
   /** The finite-time exponent of the orbit. */
   private growth(): Update | null {
-    this.exponent ??= new Growth(this.core, this.field, this.method, this.checkpoints[0], this.job.horizon, this.model);
+    this.exponent ??= new Growth(this.core, this.tangentField, this.method, this.checkpoints[0], this.job.horizon, this.model);
     const found = this.exponent.advance();
     return found && { say: "exponent", times: Float64Array.of(found.time), values: found.values };
   }
@@ -213,7 +215,7 @@ export class Computation {
       if (late.length < MEMBERS) return null;
       const states = Array.from({ length: MEMBERS }, (_, k) => late[Math.floor((k * late.length) / MEMBERS)]);
       const flat = Float64Array.from(states.flatMap((state) => [...state]));
-      this.band = new Growth(this.core, this.field, this.method, flat, this.job.horizon * BAND_HORIZON, this.model);
+      this.band = new Growth(this.core, this.tangentField, this.method, flat, this.job.horizon * BAND_HORIZON, this.model);
     }
     const found = this.band.advance();
     if (!found) return null;
@@ -244,7 +246,8 @@ class Growth {
   ) {
     const n = field.nComponents;
     this.members = states.length / n;
-    this.frames = new Float64Array(states.length).fill(1 / Math.sqrt(n));
+    const measured = model.clock ?? n;
+    this.frames = Float64Array.from(states, (_, k) => (k % n < measured ? 1 / Math.sqrt(n) : 0));
     this.elapsed = new Float64Array(this.members);
     this.grown = new Float64Array(this.members);
   }

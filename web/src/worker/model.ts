@@ -11,6 +11,10 @@ export interface Model {
   /** Components of what is drawn: the state, and attitude and position of a body. */
   readonly width: number;
   readonly field: FieldDescription;
+  /** Along which tangent vectors are measured. */
+  readonly tangentField: FieldDescription;
+  /** The component that is time, if there is one; tangent vectors lead to neighbours at the same time. */
+  readonly clock: number | null;
   /** State, attitude, position and parameters, whose rates are zero. */
   readonly moving: FieldDescription;
   /** Of each component its turn, if it is a point of a circle. */
@@ -47,6 +51,8 @@ function topModel(core: Core, { parameters, start, attitude, surface }: Job): Mo
     nComponents: N,
     width: WIDTH,
     field: { kind: "top", inertia, a, b, epsilon: parameters[9] },
+    tangentField: { kind: "top", inertia, a, b, epsilon: parameters[9] },
+    clock: null,
     moving,
     turns: [],
     attitude: [...attitude, ...position.map(() => 0)],
@@ -75,12 +81,14 @@ function familyOf(core: Core, at: readonly number[]) {
 }
 
 function systemModel({ system, surface }: SystemJob): Model {
-  const { components, field, invariants, turns, unit } = system;
+  const { components, clock, field, invariants, turns, unit } = system;
   const parts = Math.min(2 ** Math.max(Math.ceil(Math.log2(sizeOf(field) / TERMS)), 0), MOST_PARTS);
   return {
     nComponents: components.length,
     width: components.length,
     field,
+    tangentField: clock === null ? field : withoutMomentum(field),
+    clock,
     moving: field,
     turns,
     attitude: [],
@@ -94,4 +102,16 @@ function systemModel({ system, surface }: SystemJob): Model {
     unit,
     parts,
   };
+}
+
+/** The field with the momentum of time at rest, which drives nothing and whose tangent vectors would outgrow the others. */
+function withoutMomentum(field: FieldDescription): FieldDescription {
+  if (field.kind !== "tape") return field;
+  const { n_components, instructions, outputs } = field as unknown as FunctionsDescription;
+  const found = {
+    ...field,
+    instructions: [...instructions, ["linear", [], [0]]],
+    outputs: [...outputs.slice(0, -1), n_components + instructions.length],
+  };
+  return found as FieldDescription;
 }
