@@ -153,7 +153,7 @@ REFUSED = (
     ("lab kirchhoff --no-open --with missing.nc", "missing.nc"),
     # fits
     ("fit lagrange no.csv --unknown a3", "wanted a CSV file; got 'no.csv'"),
-    ("fit lagrange data.csv --unknown apha", "Did you mean alpha"),
+    ("fit lagrange data.csv --start 1,0,0,0,0,1 --unknown apha", "Did you mean alpha"),
     ("fit lagrange data.csv --unknown a3 --time s", "time: wanted the name of a column; got 's'"),
     ("fit lagrange data.csv --unknown a3 --column l7", "got 'l7'"),
     ("fit lagrange data.csv --unknown a3 --error l1=much", "got 'much'"),

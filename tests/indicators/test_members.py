@@ -36,7 +36,7 @@ INDICATORS |= {
 
 def values(found, n):
     """The arrays of a result that have a row for each trajectory, but for starts and units."""
-    names = {one.name for one in fields(found)} - {"start", "start_tangent", "unit"}
+    names = {one.name for one in fields(found)} - {"start", "start_tangent", "unit", "edges"}
     arrays = {name: np.asarray(getattr(found, name)) for name in sorted(names)}
     return {name: array for name, array in arrays.items() if array.ndim and len(array) == n}
 

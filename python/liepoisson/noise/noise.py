@@ -142,7 +142,7 @@ class Noise:
             False,
             self.options.part(done, share).progress,
         )
-        in_shape = {"state": (len(states), len(times), -1), "final_state": states.shape}
+        in_shape = {"state": (len(states), len(times), states.shape[-1]), "final_state": states.shape}
         return raw | {name: raw[name].reshape(shape) for name, shape in in_shape.items()}
 
     def n_steps_in(self, interval: float) -> int:

@@ -253,6 +253,17 @@ def _scan(result: Any, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
+def _law(result: Any, *, ax: Axes | None = None) -> Axes:
+    """A histogram, as a density with its standard errors."""
+    with house_style():
+        ax = axes_or_new(ax)
+        middle = (result.edges[1:] + result.edges[:-1]) / 2
+        ax.stairs(result.density, result.edges, color=ANGULAR_MOMENTUM)
+        ax.errorbar(middle, result.density, yerr=result.error, fmt="none", ecolor=ANGULAR_MOMENTUM)
+        ax.set(xlabel=plain(result.function), ylabel="density", title=plain(result.system.name))
+    return ax
+
+
 def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
     """The first numbers that the class says of each trajectory, against time if they have one."""
     data, dims = result.dataset, (("trajectory", "time"), ("trajectory",))
@@ -279,6 +290,7 @@ def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
 _FIGURES: dict[str, Callable[..., Any]] = {
     "orbit": orbit,
     "noisy orbits": orbit,
+    "stationary law": _law,
     "orbit fit": orbit_fit,
     "chart orbit": lambda result, **options: orbit(result.run, **options),
     "attitude": lambda result, **options: orbit(result.orbit, **options),

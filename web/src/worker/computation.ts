@@ -247,7 +247,7 @@ class Growth {
     const n = field.nComponents;
     this.members = states.length / n;
     const measured = model.clock ?? n;
-    this.frames = Float64Array.from(states, (_, k) => (k % n < measured ? 1 / Math.sqrt(n) : 0));
+    this.frames = Float64Array.from(states, (_, k) => (k % n < measured ? 1 / Math.sqrt(measured) : 0));
     this.elapsed = new Float64Array(this.members);
     this.grown = new Float64Array(this.members);
   }
