@@ -63,7 +63,7 @@ impl Shape {
 /// Products of components, by index: `rows[p] columns[q]` in the order that [`Tile::products`] gives.
 ///
 /// The factor from `rows` is read from order 0 upwards, the one from `columns` from order `k` downwards: the order of
-/// summation of a product of the state does not depend on the tile that it is in.
+/// summation of a product does not depend on the tile that it is in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tile {
     /// Position in [`SHAPES`].
@@ -127,12 +127,6 @@ pub(super) trait Kernel {
     fn run<const Q: usize, const S: usize, const A: usize>(self, tile: &Tile);
 }
 
-/// Whether the two sums of a product along a tangent vector, `x_i dx_j` and `dx_i x_j`, are formed apart, as they are of tiles with
-/// few products: one addition waits for the one before for four cycles, and so few sums leave the arithmetic idle.
-const fn is_split(n_products: usize) -> bool {
-    n_products <= 2
-}
-
 /// The sums of one tile, for the state or for one tangent vector.
 #[derive(Clone, Copy)]
 pub(super) struct Sums<V, const Q: usize, const S: usize, const A: usize> {
@@ -160,20 +154,6 @@ impl<V: Lane, const Q: usize, const S: usize, const A: usize> Sums<V, Q, S, A> {
             sums[S * Q + p] = self.single[p];
         }
         sums
-    }
-
-    /// All sums with those of another.
-    #[inline(always)]
-    fn plus(mut self, other: &Self) -> Self {
-        for p in 0..S {
-            for q in 0..Q {
-                self.shared[p][q] = self.shared[p][q].add(other.shared[p][q]);
-            }
-        }
-        for p in 0..A {
-            self.single[p] = self.single[p].add(other.single[p]);
-        }
-        self
     }
 
     /// `sum += row column` for one row and all its columns.
@@ -247,14 +227,10 @@ impl<'r, V: Lane> Series<'r, V> {
         tile: &Tile,
         t: usize,
     ) -> Sums<V, Q, S, A> {
-        let (mut sums, mut others, is_split) = (Sums::zero(), Sums::zero(), is_split(Q * S + A));
-        if V::IS_RECORDED {
-            let mut to = [&mut sums, &mut others];
-            let n_sums = 1 + usize::from(is_split);
-            let parts = [(0, Factors::RightTangent), (n_sums - 1, Factors::LeftTangent)];
-            if self.is_recorded(&mut to[..n_sums], &parts, t, tile) {
-                return if is_split { sums.plus(&others) } else { sums };
-            }
+        let mut sums = Sums::zero();
+        let parts = [(0, Factors::RightTangent), (0, Factors::LeftTangent)];
+        if V::IS_RECORDED && self.is_recorded(&mut [&mut sums], &parts, t, tile) {
+            return sums;
         }
         let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(t, tile));
         let (rows, columns) = (tile.rows, tile.first_columns());
@@ -264,8 +240,7 @@ impl<'r, V: Lane> Series<'r, V> {
                 let (v, dv) = (y.columns(&columns), dy.columns(&columns));
                 for p in 0..S + A {
                     sums.add(p, x.at(rows[p]), &dv);
-                    let du = dx.at(rows[p]);
-                    if is_split { others.add(p, du, &v) } else { sums.add(p, du, &v) }
+                    sums.add(p, dx.at(rows[p]), &v);
                 }
             }
             x.forward(self.row);
@@ -273,22 +248,17 @@ impl<'r, V: Lane> Series<'r, V> {
             y.back(self.row);
             dy.back(self.row);
         }
-        if is_split { sums.plus(&others) } else { sums }
+        sums
     }
 
     /// Both [`Series::of_state`] and [`Series::of_tangent`] for the first tangent vector, with the same sums term by term,
     /// sharing what they load.
     #[inline(always)]
     pub fn of_both<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> [Sums<V, Q, S, A>; 2] {
-        let (mut sums, mut d_sums, mut others) = (Sums::zero(), Sums::zero(), Sums::zero());
-        let is_split = is_split(Q * S + A);
-        if V::IS_RECORDED {
-            let mut to = [&mut sums, &mut d_sums, &mut others];
-            let n_sums = 2 + usize::from(is_split);
-            let parts = [(0, Factors::State), (1, Factors::RightTangent), (n_sums - 1, Factors::LeftTangent)];
-            if self.is_recorded(&mut to[..n_sums], &parts, 1, tile) {
-                return [sums, if is_split { d_sums.plus(&others) } else { d_sums }];
-            }
+        let (mut sums, mut d_sums) = (Sums::zero(), Sums::zero());
+        let parts = [(0, Factors::State), (1, Factors::RightTangent), (1, Factors::LeftTangent)];
+        if V::IS_RECORDED && self.is_recorded(&mut [&mut sums, &mut d_sums], &parts, 1, tile) {
+            return [sums, d_sums];
         }
         let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(1, tile));
         let (rows, columns) = (tile.rows, tile.first_columns());
@@ -300,8 +270,7 @@ impl<'r, V: Lane> Series<'r, V> {
                     let u = x.at(rows[p]);
                     sums.add(p, u, &v);
                     d_sums.add(p, u, &dv);
-                    let du = dx.at(rows[p]);
-                    if is_split { others.add(p, du, &v) } else { d_sums.add(p, du, &v) }
+                    d_sums.add(p, dx.at(rows[p]), &v);
                 }
             }
             x.forward(self.row);
@@ -309,7 +278,7 @@ impl<'r, V: Lane> Series<'r, V> {
             y.back(self.row);
             dy.back(self.row);
         }
-        [sums, if is_split { d_sums.plus(&others) } else { d_sums }]
+        [sums, d_sums]
     }
 
     /// Whether a loop is recorded that adds to these sums the products of these factors, in turn, along tangent vector `t` (from 1).
@@ -488,15 +457,10 @@ mod tests {
                 let coefficients: Vec<f64> = numbers.iter().copied().cycle().take(row * (k + 1)).collect();
                 let x = |order: usize, group_number: usize, i: usize| coefficients[order * row + group_number * group + i];
                 let state = |[i, j]: [usize; 2]| (0..=k).fold(0.0, |sum, s| x(s, 0, i).mul_add(x(k - s, 0, j), sum));
-                let tangent = |t: usize, [i, j]: [usize; 2]| {
-                    let is_split = is_split(shape.n_products());
-                    let sums = (0..=k).fold([0.0; 2], |[first, second], s| {
-                        let first = x(s, 0, i).mul_add(x(k - s, t, j), first);
-                        let second_of = |sum: f64| x(s, t, i).mul_add(x(k - s, 0, j), sum);
-                        if is_split { [first, second_of(second)] } else { [second_of(first), 0.0] }
-                    });
-                    sums[0] + sums[1]
-                };
+                let tangent = |t: usize, [i, j]: [usize; 2]| (0..=k).fold(0.0, |sum, s| {
+                    let sum = x(s, 0, i).mul_add(x(k - s, t, j), sum);
+                    x(s, t, i).mul_add(x(k - s, 0, j), sum)
+                });
                 let products = tile.products();
                 let mut wanted = vec![products.iter().map(|&product| state(product)).collect::<Vec<f64>>()];
                 for t in (1..=n_tangents).chain([0, 1].into_iter().filter(|_| n_tangents > 0)) {
