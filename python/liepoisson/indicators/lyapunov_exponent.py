@@ -261,7 +261,7 @@ def lyapunov_exponent(
         >>> found.is_zero
         array([ True, False])
         >>> round(float(found.exponent[1]), 3), round(float(found.error[1]), 3)
-        (0.075, 0.007)
+        (0.077, 0.007)
 
     Args:
         wanted_error: Error at which a run stops, in inverse time.  Without one all runs last until `t_end`.
