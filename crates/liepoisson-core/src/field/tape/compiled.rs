@@ -109,10 +109,15 @@ impl Compiled {
 
     /// Runs straight code: [`Field::run_compiled`], of a field whose rates take so many instructions.
     #[inline(always)]
-    pub(in crate::field) fn run<V: Lane>(&self, work: usize, straight: &impl Straight, memory: &mut [V]) -> bool {
+    pub(in crate::field) fn run<V: Lane>(
+        &self,
+        field: &impl Expanded,
+        straight: &impl Straight,
+        memory: &mut [V],
+    ) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::straight(instructions, straight.key(), memory.len());
-        self.run_for(key, memory, |stage| compile_straight::<V>(work, straight, key.registers, stage))
+        self.run_for(key, memory, |stage| compile_straight::<V>(field.work(), straight, key.registers, stage))
     }
 
     #[inline(always)]

@@ -254,7 +254,7 @@ impl Field for Tape {
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
     fn run_compiled<V: Lane>(&self, code: &impl super::Straight, memory: &mut [V]) -> bool {
-        self.compiled.run(compiled::Expanded::work(self), code, memory)
+        self.compiled.run(self, code, memory)
     }
 
     #[inline(always)]
