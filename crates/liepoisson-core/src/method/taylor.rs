@@ -323,7 +323,8 @@ pub(super) fn size_of_state<V: Lane>(limits: &[f64], state: &[V]) -> V {
     for (component, &limit) in state[..n].iter().zip(limits) {
         let (size, most) = (component.abs(), V::splat(limit));
         // the smaller of both, without a comparison; NaN of what is not finite
-        let least = if limit == f64::INFINITY { size } else { size.add(most).sub(size.sub(most).abs()).mul(V::splat(0.5)) };
+        let least =
+            if limit == f64::INFINITY { size } else { size.add(most).sub(size.sub(most).abs()).mul(V::splat(0.5)) };
         sum = sum.add(least);
     }
     with_defects(sum, &state[n..])

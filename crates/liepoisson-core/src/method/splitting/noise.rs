@@ -13,14 +13,7 @@ use crate::field::{Noise, Noisy, Space, SplitTerms};
 use crate::lanes::{Body, Lane};
 
 impl<F: Split> Split for Noisy<F> {
-    fn advance<V: Lane>(
-        &self,
-        scheme: &Scheme,
-        groups: &mut [V],
-        sizes: &[f64],
-        repeats: u64,
-        paths: &[PathIndex],
-    ) {
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &[PathIndex]) {
         let n = self.noise.channels.len();
         let mut halves = [vec![V::splat(0.0); n], vec![V::splat(0.0); n]];
         let half: V = spread(&sizes.iter().map(|size| 0.5 * size).collect::<Vec<f64>>());
