@@ -49,3 +49,14 @@ def test_a_diagonal_kinetic_energy_splits_into_the_rotations_about_the_axes() ->
         ((2, 1.0),),
     ]
     assert [derivative for _, derivative, _ in pieces] == [(1.0,), (0.0, 1 / 3), (0.0, 0.5), (0.0, 1.0)]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_polynomial_of_one_linear_form_is_one_piece(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    form = "(" + " + ".join(f"{n}/7*l{k}" for k, n in enumerate(rng.integers(1, 9, 3), 1)) + ")"
+    function = f"3*{form} - {form}^2/2 + 2*{form}^3 + {form}^5/3"
+    assert len(lp.System(lp.so(3) @ lp.trivial(), function).pieces().pieces) == 1
+    beside = lp.System(lp.so(3) @ lp.trivial(), f"{function} + l1*l2^2")
+    x = rng.standard_normal(3)
+    assert np.allclose(field_of_pieces(beside.pieces(), x), beside.vector_field(x), rtol=1e-12)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import combinations, combinations_with_replacement, product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.exact_numbers import as_coefficient
@@ -105,23 +105,49 @@ def _powers_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Powe
 
 def powers_of_forms(energy: Polynomial) -> Powers:
     """A polynomial as a sum of powers of linear forms; the constant term is left out."""
-    powers: Powers = defaultdict(dict)
-    linear = tuple((*monomial, c) for monomial, c in sorted(energy.items()) if len(monomial) == 1)
-    if linear:
-        _add_power(powers, linear, 1, Fraction(1))
+    linear: Powers = {}
+    _add_power(
+        linear, tuple((*monomial, c) for monomial, c in sorted(energy.items()) if len(monomial) == 1), 1, Fraction(1)
+    )
+    powers: Powers = dict(linear)
     for form, c in _squares({monomial: c for monomial, c in energy.items() if len(monomial) == 2}):
         _add_power(powers, form, 2, c)
-    for monomial, c in sorted(energy.items()):
-        degree = len(monomial)
-        if degree <= 2:
+    for degree in sorted({len(monomial) for monomial in energy} - {0, 1, 2}):
+        part = {monomial: c for monomial, c in sorted(energy.items()) if len(monomial) == degree}
+        if (form := _root(part, degree)) is not None:
+            _add_power(powers, form, degree, part[(form[0][0],) * degree])
             continue
-        if len(set(monomial)) == 1:
-            _add_power(powers, ((monomial[0], Fraction(1)),), degree, c)
-            continue
-        weight = c / (2 ** (degree - 1) * math.factorial(degree))
-        for signs in product((1, -1), repeat=degree - 1):
-            _add_power(powers, _sum(monomial, (1, *signs)), degree, weight * math.prod(signs))
+        for monomial, c in part.items():
+            if len(set(monomial)) == 1:
+                _add_power(powers, ((monomial[0], Fraction(1)),), degree, c)
+                continue
+            weight = c / (2 ** (degree - 1) * math.factorial(degree))
+            for signs in product((1, -1), repeat=degree - 1):
+                _add_power(powers, _sum(monomial, (1, *signs)), degree, weight * math.prod(signs))
+    for form in linear:
+        unit = _form(dict(form), form[0][1])
+        if unit != form and unit in powers:
+            powers[unit][1] = powers[unit].get(1, Fraction(0)) + powers.pop(form)[1] * form[0][1]
     return {form: kept for form, terms in powers.items() if (kept := {d: c for d, c in terms.items() if c})}
+
+
+def _root(part: Polynomial, degree: int) -> Form | None:
+    r"""The form y, with first coefficient 1, of which a homogeneous polynomial is $c\,y^d$, if there is one.
+
+    In $c(x_i + \sum_j a_jx_j)^d$ with the first variable $x_i$, those of $x_i^d$ and $x_i^{d-1}x_j$ are c and $cda_j$.
+    """
+    i = min(monomial[0] for monomial in part)
+    c = part.get((i,) * degree)
+    if c is None:
+        return None
+    row = {i: Fraction(1)} | {m[-1]: a / (degree * c) for m, a in part.items() if m[-2] == i != m[-1]}
+    n_terms = 0
+    for monomial in combinations_with_replacement(sorted(row), degree):
+        n_ways = math.factorial(degree) // math.prod(math.factorial(monomial.count(j)) for j in set(monomial))
+        if part.get(monomial) != c * n_ways * math.prod(row[j] for j in monomial):
+            return None
+        n_terms += 1
+    return tuple(sorted(row.items())) if n_terms == len(part) else None
 
 
 def _squares(quadratic: Polynomial) -> list[tuple[Form, Fraction]]:
