@@ -42,7 +42,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
     for table, keys in {
         "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
         "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta "
-        "tensor casimirs angles",
+        "tensor magnetic guiding_centre charge mass casimirs angles",
         "hamiltonian": "expression period",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
@@ -250,6 +250,11 @@ class _Reader(TomlReader):
         if "canonical" in table:
             return self.canonical(table)
         of_algebra = "algebra" in table or "structure_constants" in table
+        if kind := self.one_of(table, ("magnetic", "guiding_centre")):
+            return self.magnetic(kind, table, declared)
+        if other := next((key for key in ("charge", "mass") if key in table), None):
+            message = "only a bracket with the key magnetic or guiding_centre has one. Remove the key."
+            raise self.toml.error(("bracket", other), message)
         if "tensor" in table or ("casimirs" in table and not of_algebra):
             return self.tensor(table, declared)
         algebra = self.algebra(table, declared)
@@ -290,7 +295,6 @@ class _Reader(TomlReader):
         if missing := next((key for key in ("variables", "tensor") if key not in table), None):
             raise self.toml.error(("bracket",), f"wanted the key {missing} of a Poisson tensor. Write it.")
         names = self.texts(("bracket", "variables"), table["variables"])
-        casimirs = self.texts(("bracket", "casimirs"), table.get("casimirs", []))
         entries: dict[tuple[str | int, str | int], Any] = {}
         for first, row in self.table(("bracket", "tensor"), table["tensor"]).items():
             for second, entry in self.table(("bracket", "tensor", first), row).items():
@@ -300,7 +304,30 @@ class _Reader(TomlReader):
                 self.guarded(keys, partial(PoissonTensor, names, given, symbols=symbols, check=False))
                 entries |= given
         found = self.guarded(("bracket", "tensor"), lambda: PoissonTensor(names, entries, symbols=symbols))
-        return self.guarded(("bracket", "casimirs"), lambda: found.with_casimirs(casimirs, symbols=symbols))
+        return self.with_casimirs(found, table, symbols)
+
+    def magnetic(self, kind: str, table: dict[str, Any], symbols: Sequence[str]) -> Bracket:
+        """The bracket of a charge in a magnetic field, or of its guiding centre; its tensor follows from the field."""
+        from liepoisson.structure.magnetic_brackets import guiding_centre, magnetic
+
+        known = (kind, "variables", "charge", "mass", "casimirs", "angles")
+        if other := next((key for key in table if key not in known), None):
+            message = f"a bracket with the key {kind} is given by {', '.join(known)} alone. Remove one of the two keys."
+            raise self.toml.error(("bracket", other), message)
+        make, keys = (magnetic if kind == "magnetic" else guiding_centre), ("bracket", kind)
+        given: dict[str, Any] = {
+            key: self.entries(("bracket", key), table[key]) for key in ("charge", "mass") if key in table
+        }
+        if "variables" in table:
+            given["variables"] = self.texts(("bracket", "variables"), table["variables"])
+        field: Any = self.entries(keys, table[kind])
+        return self.with_casimirs(self.guarded(keys, lambda: make(field, symbols=symbols, **given)), table, symbols)
+
+    def with_casimirs(self, bracket: Bracket, table: dict[str, Any], symbols: Sequence[str]) -> Bracket:
+        """The bracket with the Casimirs of a table, which are checked."""
+        keys = ("bracket", "casimirs")
+        casimirs = self.texts(keys, table.get("casimirs", []))
+        return self.guarded(keys, lambda: bracket.with_casimirs(casimirs, symbols=symbols))
 
     def canonical(self, table: dict[str, Any]) -> Bracket:
         """The canonical bracket of a number of degrees of freedom, or of coordinates by name."""
