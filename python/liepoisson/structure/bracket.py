@@ -161,9 +161,9 @@ class Bracket(Coordinates):
         Raises:
             ShapeError: not a sequence of names.
             BracketError: a name is that of no coordinate, or is given twice.
-            ParameterError: a bracket of two coordinates is not periodic in an angle.
+            ParameterError: a bracket of two coordinates, or a given Casimir, is not periodic in an angle.
         """
-        from liepoisson.structure.circles import check_on_circles, read_angles, turn
+        from liepoisson.structure.circles import check_casimirs_on_circles, check_on_circles, read_angles, turn
 
         made = copy(self)
         made.angles = read_angles(angles, self.coordinate_names_in_order)
@@ -173,6 +173,7 @@ class Bracket(Coordinates):
             periods: Any = {str(x): (x, turn()) for x in made.angle_variables}
             functions: Any = ((f"{{{names[i]}, {names[j]}}}", J[i, j]) for i, j in pairs)
             check_on_circles(functions, periods, "Leave {name} out of angles.")
+        check_casimirs_on_circles(made, made.given_casimirs)
         return made
 
     def translated(self, point: Sequence[Parameter]) -> Bracket:
@@ -277,7 +278,7 @@ class Bracket(Coordinates):
         Raises:
             BracketError: a function is no Casimir.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-            ParameterError: a function is neither a text nor an expression.
+            ParameterError: a function is neither a text nor an expression, or not periodic in an angle.
         """
         made = copy(self)
         made.given_casimirs = function_of("Bracket.with_casimirs")(self, casimirs, symbols)
@@ -608,8 +609,8 @@ class Bracket(Coordinates):
             check: Verify the Jacobi identity of the result, which it has if this is a Poisson bracket.
 
         Raises:
-            BracketError: the functions are not inverse to each other, a coordinate is missing, or a new one is neither
-                a function on the circles of the angles nor an angle.
+            BracketError: the functions are not inverse to each other, a coordinate is missing, a new one is neither a
+                function on the circles of the angles nor an angle, or the bracket has time.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a name is none that a user may choose.
         """
@@ -648,7 +649,7 @@ class Bracket(Coordinates):
         Raises:
             BracketError: a bracket of two functions is no polynomial in them, the Jacobi identity holds only where
                 their relations do, a level does not commute with an invariant, an invariant is neither a function on
-                the circles of the angles nor an angle, or it was not decided within its limits.
+                the circles of the angles nor an angle, the bracket has time, or it was not decided within its limits.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a name is none that a user may choose, or a function is not rational.
 
@@ -685,7 +686,7 @@ class Bracket(Coordinates):
         Raises:
             ConstraintError: a combination of them is first class; the error names it.
             BracketError: they contradict each other, their gradients are dependent where they vanish, one is constant,
-                or whether they are of second class was not decided.
+                the bracket has time, or whether they are of second class was not decided.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: no list of functions, or one is no function on the circle of an angle.
 

@@ -199,11 +199,12 @@ class PoissonTensor(Bracket):
 
         Raises:
             ShapeError: not one name per coordinate.
-            BracketError: a coordinate and a parameter would have the same name.
+            BracketError: a coordinate and a parameter would have the same name, or the bracket has time.
             ParameterError: a name is not an identifier.
         """
         from sympy import Symbol
 
+        self.check_without_time("a bracket with other names")
         names = read_variables(field_names)
         if len(names) != self.dimension:
             raise ShapeError(f"wanted {self.dimension} names, one per coordinate; got {len(names)}. Name all of them.")
