@@ -95,7 +95,7 @@ class Coordinates(ABC):
         if self.clock is not None:
             raise BracketError(
                 f"{what} has no time; got {self!r}, whose {self.clock} and period would be coordinates like any other. "
-                f"Take it of bracket.base, which is without time, and write {self.clock} into the Hamiltonian after that; "
+                f"Take it of bracket.base, which is without time, and write {self.clock} into the Hamiltonian then; "
                 f'or make time a coordinate by hand, product(bracket.base, lp.canonical(names=["{self.clock}"])).'
             )
 
