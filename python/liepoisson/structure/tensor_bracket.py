@@ -45,9 +45,9 @@ if TYPE_CHECKING:
 
     from liepoisson.structure.casimirs import CasimirReport
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
+    from liepoisson.structure.locus import Stratum
     from liepoisson.structure.magnetic_field import MagneticField
     from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix
-    from liepoisson.structure.strata import Stratum
 
 
 @explains_its_methods
