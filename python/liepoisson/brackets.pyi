@@ -9,11 +9,11 @@ from liepoisson.structure.certificates import RankCertificate as RankCertificate
 from liepoisson.structure.contractions import ContractedBracket as ContractedBracket
 from liepoisson.structure.contractions import contraction as contraction
 from liepoisson.structure.derivations import Derivation as Derivation
+from liepoisson.structure.locus import Locus as Locus
+from liepoisson.structure.locus import Stratum as Stratum
 from liepoisson.structure.magnetic_brackets import guiding_centre as guiding_centre
 from liepoisson.structure.magnetic_brackets import magnetic as magnetic
 from liepoisson.structure.poisson.semi_invariants import SemiInvariant as SemiInvariant
-from liepoisson.structure.strata import Locus as Locus
-from liepoisson.structure.strata import Stratum as Stratum
 from liepoisson.structure.tensor_bracket import PoissonTensor as PoissonTensor
 from liepoisson.structure.tensor_sources import log_canonical as log_canonical
 from liepoisson.structure.tensor_sources import nambu as nambu

@@ -40,7 +40,7 @@ from liepoisson.report.printing import (
     write_atom,
     write_vector,
 )
-from liepoisson.structure.strata import Locus
+from liepoisson.structure.locus import Locus
 
 FIELDS = ("l", "alpha", "beta")
 COORDINATES = {f"{f}{i}": (f, str(i)) for f in FIELDS for i in (1, 2, 3)}

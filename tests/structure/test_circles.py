@@ -100,6 +100,27 @@ def test_brackets_made_of_others_keep_the_angles(make, wanted):
     assert make().angles == wanted
 
 
+SPUN = {("x", "y"): "2 + cos(a)"}
+"""{x, y} = 2 + cos(a): each function of a is a Casimir on the line, those of period 2 pi on the circle."""
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda one: lp.PoissonTensor(["a", "x", "y"], SPUN, casimirs=[one], angles=["a"]),
+        lambda one: lp.PoissonTensor(["a", "x", "y"], SPUN, angles=["a"]).with_casimirs([one]),
+        lambda one: lp.PoissonTensor(["a", "x", "y"], SPUN, casimirs=[one]).with_angles(["a"]),
+        lambda one: lp.canonical(names=["x"], momenta=["y"]).with_constant({("x", "y"): 0}).with_angles(["x"])
+        .with_casimirs([one.replace("a", "x")]),
+    ],
+)  # fmt: skip
+def test_casimirs_that_are_given_must_be_functions_on_the_circle(make):
+    assert [str(one).replace("x", "a") for one in make("sin(a)").given_casimirs] == ["sin(a)"]
+    for wrong in ("a", "sin(a/2)"):
+        with pytest.raises(ParameterError, match=r"a Casimir must have the period .*sines and cosines"):
+            make(wrong)
+
+
 def test_a_section_of_an_angle_of_a_dirac_bracket_is_taken_modulo_a_turn():
     held = lp.System(AB.dirac_bracket(["sin(a - b)", "p_a - p_b"]), "(p_a^2 + p_b^2)/2 - cos(a) - cos(b)")
     turns = lp.section(held, [0, 0, 3, 3], surface="a", t_end=10)

@@ -48,3 +48,31 @@ def test_symbols_of_bracket_and_period_take_values():
 def test_a_coordinate_must_not_be_called_like_time():
     with pytest.raises(BracketError, match="distinct names"):
         Suspension(lp.canonical(names=["t"]))
+
+
+DRIVEN = Suspension(lp.canonical(names=["x", "y"], angles=["x"]), 2 * pi / w)
+SAME = {name: name for name in DRIVEN.coordinate_names_in_order}
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: lp.brackets.product(DRIVEN, lp.canonical(1)),
+        lambda: lp.brackets.product(lp.canonical(1), DRIVEN),
+        lambda: DRIVEN.dirac_bracket(["y", "p_y"]),
+        lambda: DRIVEN.in_variables(SAME, SAME),
+        lambda: DRIVEN.in_invariants({"p_x": "p_x"}),
+        lambda: DRIVEN.rename("u", "v", "p_u", "p_v", "s", "p_s"),
+    ],
+)
+def test_what_would_lose_the_clock_is_refused(make):
+    with pytest.raises(BracketError, match=r"has no time; got .* without time"):
+        make()
+
+
+def test_angles_and_casimirs_are_those_of_the_bracket_also_with_values():
+    assert DRIVEN.with_angles(["y"]).substitute({"w": 2}).angles == ("y",)
+    with pytest.raises(BracketError, match="got 't'"):
+        DRIVEN.with_angles(["t"])
+    known = Suspension(LINKED, w).with_casimirs(["log(x) + k*log(z)"]).substitute({"w": 2, "k": 3})
+    assert [str(one) for one in known.casimirs()] == ["log(x) + 3*log(z)"]

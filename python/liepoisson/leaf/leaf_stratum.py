@@ -21,7 +21,7 @@ from liepoisson.portable import linear
 if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
-    from liepoisson.structure.strata import Locus, Stratum
+    from liepoisson.structure.locus import Locus, Stratum
 
 PARALLEL, RANK = 1e-13, 1e-11
 _BALANCING = 60

@@ -31,6 +31,15 @@ A bracket that is not linear is given by the formulas of its Poisson tensor:
     tensor.x.z = "-z*x"
     casimirs = ["..."]                     # if some are known; they are checked
 
+That of a charge in a magnetic field, or of its guiding centre, is given by the field, of which div B = 0 is checked;
+the tensor follows from it:
+
+    [bracket]
+    guiding_centre = ["0", "0", "1 + y"]   # or magnetic = [...], three formulas or one for a plane
+    charge = 40                            # 1 if left out
+    mass = 1                               # 1 if left out
+    variables = ["x", "y", "z", "u"]       # these if left out
+
 and, where they are known, a source, a description, integrals and reference values:
 
     [integrals]

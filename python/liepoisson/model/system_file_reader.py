@@ -1,28 +1,25 @@
-"""The reader of system files: from TOML tables to brackets, numbers and formulas.
+"""The reader of system files: from TOML tables to systems and vector fields.
 
 The format is described in `liepoisson.model.system_file`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.algebra.exact_numbers import Coefficient, Exact, exact
+from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.facades import function_of
-from liepoisson.formula.coefficients import coefficient
-from liepoisson.formula.expression import check_names, evaluate
-from liepoisson.formula.grammar import MAX_DIGITS, parse
-from liepoisson.formula.parameters import Value
-from liepoisson.formula.scope import Scope, read_declaration
-from liepoisson.formula.toml_text import TomlReader, TomlText, in_words, parse_toml, read_toml
+from liepoisson.formula.expression import check_names
+from liepoisson.formula.grammar import parse
+from liepoisson.formula.scope import read_declaration
+from liepoisson.formula.toml_text import TomlText, parse_toml, read_toml
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.names import MAX_TITLE, check_name
-from liepoisson.model.constructors import read_algebra, read_extension
+from liepoisson.model.bracket_reader import BRACKET_KEYS, BracketReader
 from liepoisson.model.hamiltonian import RESERVED_NAME
 from liepoisson.model.system_file import EquationsFile, Integral, Reference, SystemFile
 
@@ -31,25 +28,18 @@ if TYPE_CHECKING:
     from liepoisson.model.vector_field import VectorField
     from liepoisson.model.vector_field_file import VectorFieldFile
     from liepoisson.structure.bracket import Bracket
-    from liepoisson.structure.extension import Extension
-    from liepoisson.structure.lie_algebra import LieAlgebra
 
-T = TypeVar("T")
-
-_MAX_LIST = 100_000
 _KEYS: dict[str, tuple[str, ...]] = {
     table: tuple(keys.split())
     for table, keys in {
         "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
-        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta "
-        "tensor casimirs angles",
         "hamiltonian": "expression period",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
         "damping": "kind rate entropy metric forms matrix",
         "vector field": "name source description angles equations parameters integrals",
     }.items()
-}
+} | {"bracket": BRACKET_KEYS}
 
 
 @explains_its_arguments
@@ -119,7 +109,7 @@ def read_equations(toml: TomlText) -> EquationsFile:
     return _Reader(toml).damped() if "damping" in toml.tables else read_tables(toml)
 
 
-class _Reader(TomlReader):
+class _Reader(BracketReader):
     """Turns the tables of a file into its meaning; every method says which key is wrong."""
 
     def file(self) -> SystemFile:
@@ -161,12 +151,6 @@ class _Reader(TomlReader):
             symbols=tuple(text for text in file.symbols if read_declaration(text)[0] not in unused),
         )
         return function_of("_Reader.damped")(own, damping, file.parameters, file.symbols)
-
-    def entries(self, keys: tuple[str | int, ...], given: object) -> Any:
-        """Formulas and exact numbers, in lists of lists."""
-        if isinstance(given, list):
-            return tuple(self.entries((*keys, k), item) for k, item in enumerate(cast("list[object]", given)))
-        return self.text(keys, given) if isinstance(given, str) else self.number(keys, given)
 
     def undamped(self) -> tuple[SystemFile, list[str]]:
         """The file apart from [damping], and the parameters that do not occur in it."""
@@ -233,123 +217,6 @@ class _Reader(TomlReader):
             message = f"wanted at most {MAX_TITLE} characters; got {len(words)}. Put more into description."
             raise self.toml.error(("name",), message)
         return "".join(c if c.isprintable() else "\ufffd" for c in words)
-
-    def bracket(self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Bracket:
-        self.check_keys(("bracket",), table, _KEYS["bracket"])
-        found = self.bracket_without_angles(table, parameters, symbols)
-        if "angles" not in table:
-            return found
-        angles = self.texts(("bracket", "angles"), table["angles"])
-        return self.guarded(("bracket", "angles"), lambda: found.with_angles(angles))
-
-    def bracket_without_angles(
-        self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]
-    ) -> Bracket:
-        declared = [*_declarations(parameters), *symbols]
-        self.guarded(("parameters",), lambda: Scope(symbols=declared))
-        if "canonical" in table:
-            return self.canonical(table)
-        of_algebra = "algebra" in table or "structure_constants" in table
-        if "tensor" in table or ("casimirs" in table and not of_algebra):
-            return self.tensor(table, declared)
-        algebra = self.algebra(table, declared)
-        extension = self.extension(table, declared)
-        if "variables" in table:
-            names = self.texts(("bracket", "variables"), table["variables"])
-            if len(names) != extension.dimension:
-                got = f"{len(names)} for an extension of dimension {extension.dimension}"
-                raise self.toml.error(("bracket", "variables"), f"wanted one name per field; got {got}. Correct one.")
-            extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
-        named = next((key for key in ("variables", "basis_names") if key in table), None)
-        found = self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
-        found = self.with_constant(found, table["constant"], declared) if "constant" in table else found
-        if "casimirs" not in table:
-            return found
-        keys = ("bracket", "casimirs")
-        casimirs = self.texts(keys, table["casimirs"])
-        own = sorted(found.symbols)
-        more = [one for one in declared if one.partition("[")[0].strip() not in own]
-        return self.guarded(keys, lambda: found.with_casimirs(casimirs, symbols=more))
-
-    def with_constant(self, bracket: Bracket, given: object, symbols: Sequence[str]) -> Bracket:
-        """The bracket with the constant part of a table: constant.l1.l2 = "k" adds k to {l1, l2}."""
-        keys, scope = ("bracket", "constant"), Scope(symbols=symbols)
-        entries: dict[tuple[str | int, str | int], Any] = {}
-        for first, row in self.table(keys, given).items():
-            for second, value in self.table((*keys, first), row).items():
-                entries[first, second] = self.coefficient((*keys, first, second), value, scope)
-        return self.guarded(keys, lambda: bracket.with_constant(entries))
-
-    def tensor(self, table: dict[str, Any], symbols: Sequence[str]) -> Bracket:
-        """The bracket of a Poisson tensor that is given by formulas: tensor.x.y = "x*y" is {x, y} = x y."""
-        from liepoisson.structure.tensor_bracket import PoissonTensor
-
-        if other := next((key for key in table if key not in ("variables", "tensor", "casimirs", "angles")), None):
-            message = "a Poisson tensor is given by variables, tensor, casimirs and angles alone. Remove the key."
-            raise self.toml.error(("bracket", other), message)
-        if missing := next((key for key in ("variables", "tensor") if key not in table), None):
-            raise self.toml.error(("bracket",), f"wanted the key {missing} of a Poisson tensor. Write it.")
-        names = self.texts(("bracket", "variables"), table["variables"])
-        casimirs = self.texts(("bracket", "casimirs"), table.get("casimirs", []))
-        entries: dict[tuple[str | int, str | int], Any] = {}
-        for first, row in self.table(("bracket", "tensor"), table["tensor"]).items():
-            for second, entry in self.table(("bracket", "tensor", first), row).items():
-                keys = ("bracket", "tensor", first, second)
-                function = entry if isinstance(entry, str) else self.number(keys, entry)
-                given: dict[tuple[str | int, str | int], Any] = {(first, second): function}
-                self.guarded(keys, partial(PoissonTensor, names, given, symbols=symbols, check=False))
-                entries |= given
-        found = self.guarded(("bracket", "tensor"), lambda: PoissonTensor(names, entries, symbols=symbols))
-        return self.guarded(("bracket", "casimirs"), lambda: found.with_casimirs(casimirs, symbols=symbols))
-
-    def canonical(self, table: dict[str, Any]) -> Bracket:
-        """The canonical bracket of a number of degrees of freedom, or of coordinates by name."""
-        from liepoisson.structure.canonical_bracket import canonical
-
-        if other := next((key for key in table if key not in ("canonical", "momenta", "angles")), None):
-            message = "a canonical bracket is given by canonical, momenta and angles alone. Remove the key."
-            raise self.toml.error(("bracket", other), message)
-        keys, given = ("bracket", "canonical"), table["canonical"]
-        if not isinstance(given, list):
-            number = self.number(keys, given)
-            size: Any = int(number) if isinstance(number, Fraction) and number.denominator == 1 else number
-            return self.guarded(keys, lambda: canonical(size))
-        names = self.texts(keys, given)
-        momenta = self.texts(("bracket", "momenta"), table["momenta"]) if "momenta" in table else None
-        return self.guarded(keys, lambda: canonical(names=names, momenta=momenta))
-
-    def algebra(self, table: dict[str, Any], symbols: Sequence[str]) -> LieAlgebra:
-        from liepoisson.structure.lie_algebra import LieAlgebra
-
-        key = self.one_of(table, ("algebra", "structure_constants", "matrices"))
-        if key is None:
-            known = "algebra, structure_constants or matrices"
-            raise self.toml.error(
-                ("bracket",), f'wanted one of {known}; got none. Write for example algebra = "so(3)".'
-            )
-        keys, given = ("bracket", key), table[key]
-        if key == "algebra":
-            if "basis_names" in table:
-                message = "a named algebra has names for its basis already. Remove basis_names."
-                raise self.toml.error(("bracket", "basis_names"), message)
-            return self.guarded(keys, lambda: read_algebra(self.text(keys, given), symbols))
-        names = self.texts(("bracket", "basis_names"), table["basis_names"]) if "basis_names" in table else None
-        entries = self.array(keys, given, symbols, depth=3)
-        if key == "structure_constants":
-            return self.guarded(keys, lambda: LieAlgebra(entries, basis_names=names))
-        matrices = [[[exact(entry) for entry in row] for row in matrix] for matrix in entries]
-        return self.guarded(keys, lambda: LieAlgebra.from_matrices(matrices, basis_names=names))
-
-    def extension(self, table: dict[str, Any], symbols: Sequence[str]) -> Extension:
-        from liepoisson.structure.extension import Extension
-
-        key = self.one_of(table, ("extension", "W"))
-        if key == "W":
-            entries: Any = self.array(("bracket", "W"), table["W"], symbols, depth=3)
-            return self.guarded(("bracket", "W"), lambda: Extension(entries))
-        keys = ("bracket", "extension")
-        text = self.text(keys, table["extension"]) if key else "trivial()"
-        return self.guarded(keys, lambda: read_extension(text, symbols))
 
     def hamiltonian(self, table: dict[str, Any]) -> str:
         self.check_keys(("hamiltonian",), table, _KEYS["hamiltonian"])
@@ -468,84 +335,9 @@ class _Reader(TomlReader):
             message = f"{name} occurs neither in the bracket nor in the Hamiltonian. Use it or remove it."
             raise self.toml.error(place, message)
 
-    def value(self, keys: tuple[str | int, ...], given: object) -> Value:
-        """A number, a vector or a matrix."""
-        if not isinstance(given, list):
-            return self.number(keys, given)
-        items = cast("list[object]", given)
-        if not items or len(items) > _MAX_LIST:
-            raise self.toml.error(keys, f"wanted 1 to {_MAX_LIST} entries; got {len(items)}. Correct the list.")
-        if not any(isinstance(item, list) for item in items):
-            return tuple(self.number((*keys, k), item) for k, item in enumerate(items))
-        rows = [tuple(self.array((*keys, k), item, None, depth=1)) for k, item in enumerate(items)]
-        if len({len(row) for row in rows}) != 1 or not rows[0]:
-            raise self.toml.error(keys, "wanted a matrix with rows of one length. Fill up the short rows.")
-        return tuple(rows)
-
-    def array(
-        self, keys: tuple[str | int, ...], given: object, symbols: Sequence[str] | None, *, depth: int
-    ) -> list[Any]:
-        """Nested lists of numbers, or of coefficients in the symbols."""
-        if not isinstance(given, list) or len(cast("list[object]", given)) > _MAX_LIST:
-            kind = ("", "a list", "a list of lists", "a list of lists of lists")[depth]
-            raise self.toml.error(keys, f"wanted {kind} of numbers; got {in_words(given)}. Put it in square brackets.")
-        items = enumerate(cast("list[object]", given))
-        if depth == 1 and symbols is None:
-            return [self.number((*keys, k), item) for k, item in items]
-        if depth == 1:
-            scope = Scope(symbols=symbols or ())
-            return [self.coefficient((*keys, k), item, scope) for k, item in items]
-        return [self.array((*keys, k), item, symbols, depth=depth - 1) for k, item in items]
-
-    def coefficient(self, keys: tuple[str | int, ...], given: object, scope: Scope) -> Coefficient:
-        if isinstance(given, str):
-            return self.guarded(keys, lambda: coefficient(parse(given), given, scope))
-        return self.number(keys, given)
-
-    def number(self, keys: tuple[str | int, ...], given: object) -> Exact:
-        if isinstance(given, str):
-            return self.guarded(keys, lambda: evaluate(parse(given), given, Scope()))
-        if isinstance(given, Fraction):
-            return given
-        if isinstance(given, bool) or not isinstance(given, int):
-            raise self.toml.error(keys, f'wanted a number such as 2, 0.5 or "1/3"; got {in_words(given)}. Correct it.')
-        if abs(given) >= 10**MAX_DIGITS:
-            raise self.toml.error(keys, f"wanted a number of at most {MAX_DIGITS} digits; got a longer one. Rescale.")
-        return Fraction(given)
-
-    def text(self, keys: tuple[str | int, ...], given: object) -> str:
-        if not isinstance(given, str) or not given.strip():
-            raise self.toml.error(keys, f"wanted a text in quotes; got {in_words(given)}. Correct it.")
-        return given
-
-    def optional_text(self, keys: tuple[str | int, ...], table: Mapping[str, object]) -> str | None:
-        return self.text(keys, table[str(keys[-1])]) if keys[-1] in table else None
-
-    def texts(self, keys: tuple[str | int, ...], given: object) -> list[str]:
-        if not isinstance(given, list):
-            raise self.toml.error(keys, f"wanted a list of texts; got {in_words(given)}. Put it in square brackets.")
-        return [self.text((*keys, k), item) for k, item in enumerate(cast("list[object]", given))]
-
-    def one_of(self, table: Mapping[str, object], keys: Sequence[str]) -> str | None:
-        present = [key for key in keys if key in table]
-        if len(present) > 1:
-            raise self.toml.error(("bracket", present[1]), f"{' and '.join(present)} exclude each other. Remove one.")
-        return present[0] if present else None
-
 
 def _texts(given: Any) -> list[str]:
     """The formulas in nested tuples."""
     if isinstance(given, tuple):
         return [text for item in cast("tuple[Any, ...]", given) for text in _texts(item)]
     return [given] if isinstance(given, str) else []
-
-
-def _declarations(values: Mapping[str, Value]) -> list[str]:
-    """The parameters as symbols are declared, with their shapes."""
-    found: list[str] = []
-    for name, value in values.items():
-        shape = ()
-        if isinstance(value, tuple):
-            shape = (len(value), len(value[0])) if isinstance(value[0], tuple) else (len(value),)
-        found.append(f"{name}[{','.join(map(str, shape))}]" if shape else name)
-    return found

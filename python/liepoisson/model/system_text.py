@@ -175,7 +175,7 @@ def _check(text: str, system: System, *, symbolic: bool) -> None:
         found = read_system_text(text, type(system).__name__)
         same = (
             found.component_names == system.component_names
-            and _are_same(_terms(found), _terms(system))
+            and (_are_of_one_field(found, system) or _are_same(_terms(found), _terms(system)))
             and found.periods == system.periods
             and _are_equal(found.hamiltonian, system.hamiltonian)
             and _are_same(found.integrals, system.integrals)
@@ -222,6 +222,12 @@ def _terms(system: System) -> dict[str, Any]:
     return {f"{i} {j} {m}": to_sympy(c) for i, j, m, c in system.bracket.terms()}
 
 
+def _are_of_one_field(found: System, system: System) -> bool:
+    """Whether both brackets were made of the same magnetic field, so that their entries are the same functions."""
+    fields = [getattr(one.bracket, "origin", None) for one in (found, system)]
+    return fields[0] is not None and fields[0] == fields[1]
+
+
 def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
     if isinstance(system, CanonicalSystem):
         return {"canonical": list(system.coordinates), "momenta": list(system.momenta)}
@@ -241,12 +247,18 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
 
 
 def _tensor(bracket: PoissonTensor) -> dict[str, Any]:
-    """The table of a bracket that is given by formulas."""
-    names, rows = bracket.coordinate_names_in_order, dict[str, dict[str, str]]()
-    for (i, j), entry in bracket.formulas.entries.items():
-        rows.setdefault(names[i], {})[names[j]] = formula_text(entry)
+    """The table of a bracket that is given by formulas, or by a magnetic field."""
+    names = bracket.coordinate_names_in_order
+    table: dict[str, Any] = {"variables": list(names)}
+    if field := bracket.origin:
+        table[field.kind] = [formula_text(one) for one in field.components]
+        table |= {"charge": formula_text(field.charge), "mass": formula_text(field.mass)}
+    else:
+        table["tensor"] = rows = dict[str, dict[str, str]]()
+        for (i, j), entry in bracket.formulas.entries.items():
+            rows.setdefault(names[i], {})[names[j]] = formula_text(entry)
     casimirs = [formula_text(casimir) for casimir in bracket.given_casimirs]
-    return {"variables": list(names), "tensor": rows, **({"casimirs": casimirs} if casimirs else {})}
+    return table | ({"casimirs": casimirs} if casimirs else {})
 
 
 def _canonical(bracket: Bracket) -> dict[str, Any] | None:

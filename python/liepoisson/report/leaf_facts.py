@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.casimirs import CasimirReport
     from liepoisson.structure.derivations import Derivation
-    from liepoisson.structure.strata import Stratum
+    from liepoisson.structure.locus import Stratum
 
 _MOST_COORDINATES = 16
 """Strata are looked for up to this size: each costs a search for Casimirs."""

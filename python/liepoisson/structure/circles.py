@@ -20,6 +20,8 @@ from liepoisson.inputs.given import listed_names
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.structure.coordinates import Coordinates
+
 
 def read_angles(given: Sequence[str] | None, names: Sequence[str]) -> tuple[str, ...]:
     """The coordinates that are angles, in the order of the coordinates.
@@ -145,6 +147,17 @@ def check_on_circles(
                     f"{what} must have the period {period} in {name}; got {function!s:.80}, which changes by "
                     f"{found!s:.80} when {name} grows by {period}. {hint.format(name=name)}"
                 )
+
+
+def check_casimirs_on_circles(bracket: Coordinates, casimirs: Iterable[Expr]) -> None:
+    """Refuse Casimirs that are no functions on the circles of the angles of a bracket.
+
+    Raises:
+        ParameterError: one is not; the message has the difference after a turn.
+    """
+    periods: Any = {str(x): (x, turn()) for x in bracket.angle_variables}
+    hint = "Write it by sines and cosines, sin({name}) for {name}, or leave {name} out of angles."
+    check_on_circles((("a Casimir", casimir) for casimir in casimirs), periods, hint)
 
 
 def modulus(function: Expr, periods: Mapping[str, tuple[Expr, Expr]], variables: Collection[Expr]) -> Expr | None:

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
 from liepoisson.algebra.exact_numbers import as_expression, symbols_of
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Column, Parameter, read_parameter
 from liepoisson.inputs.given import listed
 from liepoisson.structure.given_functions import check_distinct
@@ -85,6 +85,19 @@ class Coordinates(ABC):
             BracketError: there is such a name; the message lists them.
         """
         check_distinct(self.coordinate_names, names)
+
+    def check_without_time(self, what: str) -> None:
+        """Refuse a bracket with a clock, which another one that is made of it would not have.
+
+        Raises:
+            BracketError: a coordinate is time.
+        """
+        if self.clock is not None:
+            raise BracketError(
+                f"{what} has no time; got {self!r}, whose {self.clock} and period would be coordinates like any other. "
+                f"Take it of bracket.base, which is without time, and write {self.clock} into the Hamiltonian then; "
+                f'or make time a coordinate by hand, product(bracket.base, lp.canonical(names=["{self.clock}"])).'
+            )
 
     @property
     def periods(self) -> dict[str, Expr]:

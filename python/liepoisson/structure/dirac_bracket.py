@@ -42,6 +42,7 @@ def dirac_bracket(
     bracket: Bracket, constraints: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str]
 ) -> PoissonTensor:
     """The Dirac bracket; see `Bracket.dirac_bracket`."""
+    bracket.check_without_time("a Dirac bracket")
     functions = _read(constraints, bracket, scope_of(bracket.coordinate_names_in_order, bracket.symbols, symbols))
     entries, x = entries_of(bracket), bracket.variables
     gradients = [[f.diff(v) for v in x] for f in functions]

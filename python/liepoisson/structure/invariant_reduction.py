@@ -43,6 +43,7 @@ def in_invariants(
     bracket: Bracket, invariants: Mapping[str, str | Expr], *, levels: Mapping[str, str | Expr] | None
 ) -> PoissonTensor:
     """The bracket of some functions; see `Bracket.in_invariants`."""
+    bracket.check_without_time("a bracket of invariants")
     scope = scope_of(bracket.coordinate_names_in_order, bracket.symbols, ())
     given = by_name(invariants, "invariants", "functions of the coordinates", '{"r": "q1^2 + q2^2"}')
     names = read_variables(list(given))
@@ -60,13 +61,13 @@ def in_invariants(
         candidates = [*ring.relations(), *_images(bracket, ring)]
     except NotDecidedError as error:
         raise BracketError(f"whether the brackets of the invariants are functions of them was {error}") from error
-    casimirs: list[Any] = []
+    made, casimirs = made.with_angles(angles), list[Any]()
     for candidate in candidates:
         own = candidate.free_symbols & {*made.variables}
         if own and not made.formulas.image(candidate):
             casimirs += [candidate] if made.formulas.n_independent([*casimirs, candidate]) > len(casimirs) else []
     made.given_casimirs = tuple(casimirs)
-    return made.with_angles(angles)
+    return made
 
 
 def _closed(

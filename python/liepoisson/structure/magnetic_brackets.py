@@ -20,6 +20,7 @@ from liepoisson.formula.parameters import GivenValue, Parameter
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed
 from liepoisson.structure.given_functions import read_function, read_variables, scope_with
+from liepoisson.structure.magnetic_field import MagneticField
 from liepoisson.structure.poisson.tensor_entries import TensorEntries
 from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 
@@ -82,14 +83,14 @@ def magnetic(
     e, m = (cast("Any", read_function(one, scope, what)) for one, what in ((charge, "charge"), (mass, "mass")))
     B = _field(items, names, n, scope)
     _check_mass(m, "mass")
-    x = _symbols(names)
+    x, origin = _symbols(names), MagneticField("magnetic", tuple(B), e, m)
     entries: dict[tuple[int, int], Any] = {(i, n + i): 1 / m for i in range(n)}
     if n == 2:
         entries[2, 3] = e / m**2 * B[0]
-        return tensor_of(names, entries, jacobi="proved")
+        return tensor_of(names, entries, jacobi="proved", origin=origin)
     how = _divergence(B, x, names[3:], e / m**3)
     entries |= {(3, 4): e / m**2 * B[2], (4, 5): e / m**2 * B[0], (3, 5): -e / m**2 * B[1]}
-    return tensor_of(names, entries, jacobi=how)
+    return tensor_of(names, entries, jacobi=how, origin=origin)
 
 
 @explains_its_arguments
@@ -165,7 +166,8 @@ def guiding_centre(
         entry = _short(B[k] / (e * along))
         entries[min(i, j), max(i, j)] = -entry if i < j else entry
     kept = {pair: entry for pair, entry in entries.items() if entry != 0}
-    return tensor_of(names, kept, jacobi=how, are_nonzero=True)
+    origin = MagneticField("guiding_centre", tuple(B), e, m)
+    return tensor_of(names, kept, jacobi=how, are_nonzero=True, origin=origin)
 
 
 def _components(field: Any) -> list[Any]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from liepoisson.algebra.exact_numbers import substituted, to_sympy
 from liepoisson.formula.parameters import values_of_symbols
@@ -85,6 +85,24 @@ class Suspension(PoissonTensor):
             return self
         base = self.base.substitute({name: value for name, value in values.items() if str(name) in self.base.symbols})
         return Suspension(base, None if self.period is None else to_sympy(substituted(self.period, read)))
+
+    def with_angles(self, angles: Sequence[str]) -> Self:
+        """The same, where these coordinates of the bracket are angles; time is none.
+
+        Raises:
+            LiePoissonError: as for `Bracket.with_angles`.
+        """
+        return type(self)(self.base.with_angles(angles), self.period)
+
+    def with_casimirs(
+        self, casimirs: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
+    ) -> Self:
+        """The same with these known Casimirs of the bracket; none depends on time or its momentum.
+
+        Raises:
+            LiePoissonError: as for `Bracket.with_casimirs`.
+        """
+        return type(self)(self.base.with_casimirs(casimirs, symbols=symbols), self.period)
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: that of a tensor, the bracket and the period."""

@@ -45,8 +45,9 @@ if TYPE_CHECKING:
 
     from liepoisson.structure.casimirs import CasimirReport
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
+    from liepoisson.structure.locus import Stratum
+    from liepoisson.structure.magnetic_field import MagneticField
     from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix
-    from liepoisson.structure.strata import Stratum
 
 
 @explains_its_methods
@@ -97,6 +98,9 @@ class PoissonTensor(Bracket):
     has_algebra: ClassVar[bool] = False
 
     given_casimirs: tuple[Expr, ...] = ()
+
+    origin: MagneticField | None = None
+    """The magnetic field that it was made of, if it was."""
 
     def __init__(
         self,
@@ -195,11 +199,12 @@ class PoissonTensor(Bracket):
 
         Raises:
             ShapeError: not one name per coordinate.
-            BracketError: a coordinate and a parameter would have the same name.
+            BracketError: a coordinate and a parameter would have the same name, or the bracket has time.
             ParameterError: a name is not an identifier.
         """
         from sympy import Symbol
 
+        self.check_without_time("a bracket with other names")
         names = read_variables(field_names)
         if len(names) != self.dimension:
             raise ShapeError(f"wanted {self.dimension} names, one per coordinate; got {len(names)}. Name all of them.")
@@ -231,7 +236,8 @@ class PoissonTensor(Bracket):
     def _mapped(self, names: tuple[str, ...], change: Any) -> PoissonTensor:
         entries = {pair: change(entry) for pair, entry in self.formulas.entries.items()}
         casimirs = [change(casimir) for casimir in self.given_casimirs]
-        made = tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
+        origin = None if self.origin is None else self.origin.mapped(change)
+        made = tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name, origin=origin)
         made.angles = self.angles
         return made
 
@@ -411,6 +417,7 @@ class PoissonTensor(Bracket):
             "constant_rows",
             "coefficients",
             "angles",
+            "origin",
         )
         return {name: value for name, value in self.__dict__.items() if name in kept}
 
@@ -434,6 +441,7 @@ def tensor_of(
     jacobi: str | None = None,
     name: str | None = None,
     are_nonzero: bool = False,
+    origin: MagneticField | None = None,
 ) -> PoissonTensor:
     """A tensor of entries and Casimirs that have been derived; `jacobi` is what is known, else it is checked."""
     made: Any = PoissonTensor.__new__(PoissonTensor)
@@ -441,6 +449,7 @@ def tensor_of(
     made._define(names, kept, name)
     made._jacobi = jacobi or made._checked_jacobi()
     made.given_casimirs = tuple(casimirs)
+    made.origin = origin
     return cast("PoissonTensor", made)
 
 

@@ -31,9 +31,9 @@ from liepoisson.algebra.rational_polynomials import RationalPolynomial
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure import casimirs as search
+from liepoisson.structure.locus import Locus, Stratum
 from liepoisson.structure.poisson.casimir_search import MAX_WORK
 from liepoisson.structure.poisson.pfaffians import pfaffian_of
-from liepoisson.structure.strata import Locus, Stratum
 
 if TYPE_CHECKING:
     from sympy import Expr

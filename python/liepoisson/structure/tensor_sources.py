@@ -137,11 +137,12 @@ def product(first: Bracket, second: Bracket) -> PoissonTensor:
 
     Raises:
         ParameterError: one is no bracket.
-        BracketError: a coordinate of the one is a coordinate or a parameter of the other.
+        BracketError: a coordinate of the one is a coordinate or a parameter of the other, or one has time.
     """
     for given, what in ((first, "first"), (second, "second")):
         if not isinstance(given, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise not_a("a Bracket", given, what, "write for example lp.canonical(1)")
+        given.check_without_time("a product")
     own, other = first.coordinate_names_in_order, second.coordinate_names_in_order
     if clash := sorted({*own} & ({*other} | second.symbols) | {*other} & first.symbols):
         raise BracketError(f"a name must stand for one thing; {clash[0]} occurs in both brackets. Use bracket.rename.")
@@ -159,6 +160,7 @@ def changed(
     """A bracket in other coordinates; see `Bracket.in_variables`."""
     from sympy import S, Symbol
 
+    bracket.check_without_time("a bracket in other coordinates")
     old = bracket.coordinate_names_in_order
     given = by_name(variables, "variables", "functions of the coordinates", '{"y": "x + z^2"}')
     new = tuple(check_name(name, "the name of a coordinate") for name in given)

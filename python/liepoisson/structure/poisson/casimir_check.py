@@ -22,6 +22,7 @@ from liepoisson.formula.scope import Scope
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import listed_names
 from liepoisson.structure.certificates import CasimirCertificate
+from liepoisson.structure.circles import check_casimirs_on_circles
 from liepoisson.structure.coordinates import read_function
 from liepoisson.structure.given_functions import listed_functions
 from liepoisson.structure.poisson.tensor_entries import N_POINTS
@@ -217,7 +218,7 @@ def checked_casimirs(bracket: Bracket, given: Any, symbols: Sequence[str] = ()) 
     Raises:
         BracketError: a function is no Casimir, or a constant.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: they are no list of functions.
+        ParameterError: they are no list of functions, or one is not periodic in an angle.
     """
     items = listed_functions(given, "casimirs", f'["{bracket.coordinate_names_in_order[0]}^2"]')
     found = [read_phase_function(bracket, one, symbols, "a Casimir") for one in items]
@@ -226,6 +227,7 @@ def checked_casimirs(bracket: Bracket, given: Any, symbols: Sequence[str] = ()) 
             raise BracketError(f"a Casimir must depend on the coordinates; got {function}, a constant. Leave it out.")
         if not (certificate := casimir_certificate(bracket, function)).holds:
             raise BracketError(f"a Casimir C must have J grad C = 0; got {certificate!s:.160}. Correct it.")
+    check_casimirs_on_circles(bracket, found)
     return tuple(found)
 
 
