@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.compile.symbols import evaluated
 from liepoisson.damping.damped_system import DampedSystem, double_bracket
+from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.equilibrium.leaf_equilibria import equilibrium_near
 from liepoisson.equilibrium.linearisation import ComplexArray
-from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.equilibrium.second_variation import Symmetries
+from liepoisson.errors import LeafError, ParameterError, ShapeError, TimeLimitError
 from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number, as_time
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
@@ -66,11 +68,12 @@ class Relaxation(ReadOnlyArrays, Tabular):
         state: The orbit, shape (time, component).
         energy: H along it, less $\sum_j\Omega_j K_j$ where integrals were given, shape (time,).
         outcome: "arrived" at a minimum; "saddle": it is at an equilibrium that is none; "undecided": it is at rest, and
-            the equilibrium is "undecided"; "not arrived" by the end of the time, as where minima are degenerate; "time
-            limit"; or how the orbit failed, as where H is not bounded on the leaf: "step too small", "not finite", "max
-            steps".
-        equilibrium: The equilibrium next to the end of the orbit, with its stability, its residual and a bound on its
-            error (`distance`), or None where Newton's method found none.
+            second derivatives do not tell whether at a minimum: the equilibrium is "undecided", or H has directions
+            without a second derivative that are none of known integrals; "not arrived" by the end of the time, as where
+            minima are degenerate; "time limit"; or how the orbit failed, as where H is not bounded on the leaf: "step
+            too small", "not finite", "max steps".
+        equilibrium: The equilibrium that Newton's method reaches from the end of the orbit, with its stability, its
+            residual and a bound on its error (`distance`), or None where it reaches none or the orbit failed.
         gap: How far the end of the orbit is from it, in units in which states of the leaf are of order one.
     """
 
@@ -116,8 +119,13 @@ class Relaxation(ReadOnlyArrays, Tabular):
         others = np.delete(values, np.argsort(np.abs(values))[:nullity])
         return float(-others.real.max()) if len(others) else np.nan
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether the end of the orbit is within the tolerance of the equilibrium."""
+        return self.outcome in ("arrived", "saddle", "undecided")
+
     def __repr__(self) -> str:
-        where = "" if self.equilibrium is None else f" at energy {self.equilibrium.energy:.6g}"
+        where = "" if self.equilibrium is None or not self.is_at_rest else f" at energy {self.equilibrium.energy:.6g}"
         falls = f"from {self.energy[0]:.6g} to {self.energy[-1]:.6g} in t = {self.time[-1]:g}"
         return f"<Relaxation of {self.flow.undamped.name!r}: {self.outcome}{where}; {falls}>"
 
@@ -237,6 +245,7 @@ def _relaxed(
         if has_passed():
             outcome = "time limit"
             break
+        found, gap = None, np.inf
         end = min(max(2 * t, FIRST * unit), longest)
         run = integrate(
             flow, x, times=np.linspace(t, end, _N_TIMES), method=method, time_limit=seconds_left(TIME_LIMIT)
@@ -247,15 +256,15 @@ def _relaxed(
         x, t = run.end_state[0], end
         if run.outcome[0] != "finished":
             outcome = str(run.outcome[0])
-        elif (near := _near(leaf, x)) is not None:
-            gap = float(norm((x - near.state) / units))
-            found = near
-            if gap <= tol and near.family != "undecided" and not near.signature[1]:
+        elif (found := _near(leaf, x)) is not None:
+            gap = float(norm((x - found.state) / units))
+            if gap <= tol and _is_minimum(found):
                 outcome = "arrived"
     if outcome == "not arrived" and found is not None and gap <= tol:
         outcome = "saddle" if found.signature[1] else "undecided"
     path = np.concatenate(states)
-    energy = leaf.system.functions.energy(path)
+    with np.errstate(over="ignore"):  # of an orbit without bounds
+        energy = leaf.system.functions.energy(path)
     return Relaxation(flow, leaf, np.concatenate(times), path, energy, outcome, found, gap)
 
 
@@ -263,5 +272,18 @@ def _near(leaf: Leaf, x: Array) -> Equilibrium | None:
     """What Newton's method finds from a state, on its leaf: that of the start, up to the drift of the Casimirs."""
     try:
         return equilibrium_near(leaf.system, x)
-    except (LeafError, ParameterError):
+    except (LeafError, ParameterError, TimeLimitError):
         return None
+
+
+def _is_minimum(found: Equilibrium) -> bool:
+    """Whether H rises in all directions but those in which the motions of known integrals carry the equilibrium.
+
+    Others without a second derivative tell nothing: of H = p^2 - q^4 the origin is no minimum.
+    """
+    _, falling, flat = found.signature
+    if falling or not flat or found.family == "undecided":
+        return not falling and found.family != "undecided"
+    view = found.leaf.in_units()
+    along = HamiltonianFields(view.system, [view.system.functions.energy])
+    return Symmetries.of(view, along).combinations(found.state / view.units).shape[1] == flat
