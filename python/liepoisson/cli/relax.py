@@ -93,7 +93,7 @@ def _reason(found: Relaxation) -> str:
     if found.outcome == "saddle":
         return "it stays at an equilibrium that is no minimum: start beside it."
     if found.outcome == "undecided":
-        return "it is at rest, but second derivatives do not tell whether at a minimum: start beside it, or name integrals."
+        return "it is at rest, but second derivatives do not tell whether at a minimum: start beside it."
     if found.outcome == "not arrived":
         return "it did not arrive: take a longer --t-end; at a degenerate minimum the approach is not exponential."
     if found.outcome == "time limit":

@@ -145,7 +145,7 @@ def relax(
 
     The orbit of the double bracket, $\dot x = J\nabla H + \gamma J g J\nabla H$, is followed until Newton's method on
     the leaf of the start finds an equilibrium within `tol` of it that is a minimum. Of a system, $\gamma = 1/|J|$ at
-    the start and g is the identity; a damped system has its own.
+    the start and g is the identity, in units in which states of the leaf are of order one; a damped system has its own.
 
     Example:
         >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
@@ -183,7 +183,7 @@ def relax(
         lowered = _lowered(own, along)
         leaf = Leaf.through(lowered, states[0])
         _ = leaf.equations  # refused before anything is computed
-        flow = system if isinstance(system, DampedSystem) and lowered is own else _damped(system, lowered, states[0])
+        flow = system if isinstance(system, DampedSystem) and lowered is own else _damped(system, leaf)
         return _relaxed(flow, leaf, longest, tol, method)
 
 
@@ -222,15 +222,21 @@ def _lowered(system: System, along: Any) -> System:
     return System(found.bracket, energy, name=found.name, integrals=known)
 
 
-def _damped(given: System | DampedSystem, system: System, state: Array) -> DampedSystem:
-    """The system with the damping that was given, or with the rate 1/|J|."""
+def _damped(given: System | DampedSystem, leaf: Leaf) -> DampedSystem:
+    """The system with the damping that was given, or with the double bracket of the identity in the units of the leaf.
+
+    With y = x/u the bracket is J/(u u^T), and the identity for y is the form with 1/u^2 on velocities of x.
+    """
     if isinstance(given, DampedSystem):
         values = {name: value for name, value in given.values.items() if given.is_of_damping(name)}
-        return DampedSystem(system, given.damping, values)
-    size = float(norm(system.functions.poisson_tensor(state)))
-    return double_bracket(system, float(f"{1 / size:.3g}") if 0 < size < np.inf else 1)
+        return DampedSystem(leaf.system, given.damping, values)
+    units = leaf.in_units().units
+    size = float(norm(leaf.system.functions.poisson_tensor(leaf.state) / units / units[:, None]))
+    rate = float(f"{1 / size:.3g}") if 0 < size < np.inf else 1
+    return double_bracket(leaf.system, rate, metric=None if (units == 1).all() else [*(1 / units**2)])
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of an orbit without bounds
 def _relaxed(
     flow: DampedSystem, leaf: Leaf, longest: float | None, tol: float, method: MethodChoice | None
 ) -> Relaxation:
@@ -263,8 +269,7 @@ def _relaxed(
     if outcome == "not arrived" and found is not None and gap <= tol:
         outcome = "saddle" if found.signature[1] else "undecided"
     path = np.concatenate(states)
-    with np.errstate(over="ignore"):  # of an orbit without bounds
-        energy = leaf.system.functions.energy(path)
+    energy = leaf.system.functions.energy(path)
     return Relaxation(flow, leaf, np.concatenate(times), path, energy, outcome, found, gap)
 
 
