@@ -158,7 +158,8 @@ def relax(
         start: One state, shape (N,), or vectors and components by name, the others being zero.
         along: Values of $\Omega_j$ by integrals, by their names in `system.invariants` or as formulas: with
             {"l3": "1/2"} a steady rotation at this rate is sought, a minimum of $H - \Omega\,\ell_3$.
-        t_end: The longest orbit; by default 10,000 natural times.
+        t_end: The longest orbit; by default 10,000 natural times of its start, or of its end where these are longer, but
+            at most 10,000 times as long.
         tol: How near the orbit must come, in units in which states of the leaf are of order one.
         method: How; by default `Taylor()`.
 
@@ -241,9 +242,8 @@ def _relaxed(
     flow: DampedSystem, leaf: Leaf, longest: float | None, tol: float, method: MethodChoice | None
 ) -> Relaxation:
     x, units = leaf.state, leaf.in_units().units
-    unit = float(time_scale(flow, x, method=method, time_limit=seconds_left(TIME_LIMIT))[0])
-    unit = unit if 0 < unit < np.inf else 1.0  # all that is near is at rest
-    longest = LONGEST * unit if longest is None else longest
+    unit = _natural_time(flow, x, method)
+    end_is_given, longest = longest is not None, LONGEST * unit if longest is None else longest
     times, states, t = [np.zeros(1)], [x[None]], 0.0
     found: Equilibrium | None = None
     outcome, gap = "not arrived", np.inf
@@ -266,11 +266,18 @@ def _relaxed(
             gap = float(norm((x - found.state) / units))
             if gap <= tol and _is_minimum(found):
                 outcome = "arrived"
+        if t >= longest and outcome == "not arrived" and not end_is_given:  # high above a minimum all is faster
+            longest = max(longest, LONGEST * min(_natural_time(flow, x, method), LONGEST * unit))
     if outcome == "not arrived" and found is not None and gap <= tol:
         outcome = "saddle" if found.signature[1] else "undecided"
     path = np.concatenate(states)
     energy = leaf.system.functions.energy(path)
     return Relaxation(flow, leaf, np.concatenate(times), path, energy, outcome, found, gap)
+
+
+def _natural_time(flow: DampedSystem, x: Array, method: MethodChoice | None) -> float:
+    unit = float(time_scale(flow, x, method=method, time_limit=seconds_left(TIME_LIMIT))[0])
+    return unit if 0 < unit < np.inf else 1.0  # all that is near is at rest
 
 
 def _near(leaf: Leaf, x: Array) -> Equilibrium | None:
