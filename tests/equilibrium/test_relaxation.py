@@ -99,6 +99,7 @@ def test_an_orbit_that_fails_has_no_equilibrium_of_an_earlier_time():
     """From beside the saddle of p^2/2 - q^2/2 - q^4 it stays for a while, and then runs to infinity."""
     found = relax(lp.System(lp.canonical(1), "p1^2/2 - q1^2/2 - q1^4"), [1e-16, 0])
     assert (found.outcome, found.equilibrium, found.gap) == ("step too small", None, np.inf)
+    assert found.energy[-1] < -1e4  # at its last good state
     far = relax(lp.System(lp.canonical(1), "p1^2/2 + exp(-q1^2)"), [1e-12, 0], t_end=60)
     assert far.outcome == "not arrived"
     assert "at energy" not in repr(far)

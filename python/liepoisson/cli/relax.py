@@ -81,7 +81,7 @@ def relaxation_lines(found: Relaxation) -> list[str]:
         f"{'ends at ' if found.is_at_rest else 'nearby  '} {', '.join(f'{value:.9g}' for value in one.state)}",
         f"         {one!r}",
         f"         within {found.gap:.0e} of the end of the orbit; error at most {one.distance:.0e} of its length",
-        *([] if not found.is_at_rest else [_approach(found.decay)]),
+        *([_approach(found.decay)] if found.outcome == "arrived" else []),
     ]
 
 

@@ -158,8 +158,8 @@ def relax(
         start: One state, shape (N,), or vectors and components by name, the others being zero.
         along: Values of $\Omega_j$ by integrals, by their names in `system.invariants` or as formulas: with
             {"l3": "1/2"} a steady rotation at this rate is sought, a minimum of $H - \Omega\,\ell_3$.
-        t_end: The longest orbit; by default 10,000 natural times of its start, or of its end where these are longer, but
-            at most 10,000 times as long.
+        t_end: The longest orbit; by default 10,000 natural times of its start, or of its end where these are longer,
+            but at most 10,000 times as long.
         tol: How near the orbit must come, in units in which states of the leaf are of order one.
         method: How; by default `Taylor()`.
 
@@ -262,6 +262,9 @@ def _relaxed(
         x, t = run.end_state[0], end
         if run.outcome[0] != "finished":
             outcome = str(run.outcome[0])
+            if run.end_time[0] > np.concatenate(times)[-1]:  # its last good state
+                times.append(run.end_time)
+                states.append(run.end_state)
         elif (found := _near(leaf, x)) is not None:
             gap = float(norm((x - found.state) / units))
             if gap <= tol and _is_minimum(found):

@@ -9,7 +9,7 @@ The integral is one more component of the state, integrated with it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,31 +18,28 @@ from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.vector_field import VectorField
 from liepoisson.numeric.integrate import integrate
 
-if TYPE_CHECKING:
-    from sympy import Expr
 
-
-def divergence_of(system: Any) -> Expr | None:
+def divergence_of(system: Any) -> Any:
     """The divergence of a system whose equations are known and do not depend on time; None of others."""
     is_known = isinstance(system, EquationsOfMotion) and getattr(system, "clock", None) is None
     return system.divergence if is_known else None
 
 
-def mean_divergence(
-    system: EquationsOfMotion, divergence: Expr, starts: Array, *, transient: float, t_end: float, time_limit: float
-) -> Array:
-    """The mean from the end of a transient on, shape (trajectory,); NaN where an orbit does not reach the end.
+def mean_divergence(system: Any, starts: Array, *, transient: float, t_end: float, time_limit: float) -> Array:
+    """The mean from the end of a transient on, shape (trajectory,).
+
+    NaN where an orbit does not reach the end, and for systems whose equations are not known or depend on time.
 
     Args:
         system: The system.
-        divergence: Its divergence.
         starts: States, shape (trajectory, component).
         transient: Time before the mean begins.
         t_end: For how long it is taken.
         time_limit: Seconds after which the orbits that are left end.
     """
-    if divergence.is_number:
-        return np.full(len(starts), float(divergence))
+    divergence = divergence_of(system)
+    if divergence is None or divergence.is_number:
+        return np.full(len(starts), np.nan if divergence is None else float(divergence))
     name = "divergence"
     while name in system.component_names:
         name += "_"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.indicators.covariant_vectors import CovariantRecord, CovariantVectors
-from liepoisson.indicators.mean_divergence import divergence_of, mean_divergence
+from liepoisson.indicators.mean_divergence import mean_divergence
 from liepoisson.indicators.mean_error import mean_error, mean_over_starts
 from liepoisson.indicators.structural_zeros import (
     PoissonStructure,
@@ -139,12 +139,10 @@ class Spectrum(IntegratedRun):
         is met up to the fluctuations of such means. NaN where a trajectory failed, or the equations are not known or
         depend on time.
         """
-        divergence, value = divergence_of(self.system), np.full(len(self.start), np.nan)
-        finished = self.outcome == "finished"
-        if divergence is not None and finished.any():
+        finished, value = self.outcome == "finished", np.full(len(self.start), np.nan)
+        if finished.any():
             value[finished] = mean_divergence(
-                self.system,  # pyright: ignore[reportArgumentType]
-                divergence,
+                self.system,
                 self.start[finished],
                 transient=self.transient,
                 t_end=float(self.time[-1]),

@@ -307,8 +307,11 @@ def _sum_line(spectrum: Spectrum, total: Array) -> str:
         return f"sum of all exponents: at most {_largest(total):.1e}"
     mean = spectrum.mean_divergence[finished]
     if np.isfinite(mean).all():
-        is_constant = divergence_of(spectrum.system).is_number  # pyright: ignore[reportOptionalMemberAccess]
-        what = "divergence of the field" if is_constant else "mean divergence along orbits computed apart"
+        what = (
+            "divergence of the field"
+            if divergence_of(spectrum.system).is_number
+            else "mean divergence along orbits computed apart"
+        )
         return f"sum of all exponents: {_interval(total, '.10g')}, the {what}, within {_largest(total - mean):.1e}"
     return (
         f"sum of all exponents: from {total.min():.2g} to {total.max():.2g}; not expected to vanish, as the flow does "
