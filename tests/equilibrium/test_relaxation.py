@@ -86,6 +86,13 @@ def test_where_second_derivatives_vanish_no_minimum_is_claimed(energy):
     assert (found.outcome, found.equilibrium.signature[1]) == ("undecided", 0)
 
 
+def test_with_a_casimir_the_known_integrals_remain():
+    """A minimum of H - C1 lies in the circle that the angular momentum makes."""
+    body = lp.System(lp.so(3) @ lp.trivial(), "l1^2 + l2^2 + 2*l3^2", integrals={"K": "l3"})
+    found = relax(body, [1, 1, 1], along={"C1": "1/2"})
+    assert (found.outcome, found.equilibrium.signature) == ("arrived", (1, 0, 1))
+
+
 def test_along_the_motions_of_known_integrals_the_second_variation_may_vanish():
     """The circle |q| = 1 of minima, with and without the angular momentum."""
     well = "dot(p, p)/2 + (dot(q, q) - 1)^2"

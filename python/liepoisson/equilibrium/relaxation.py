@@ -219,7 +219,9 @@ def _lowered(system: System, along: Any) -> System:
         return system
     words = " - ".join(["H", *(f"{value}*{name}" for name, value in rates.items())])
     found = System(system.bracket, energy, name=f"{system.name}, {words}"[:MAX_TITLE])
-    known = {f"K{k}": f for k, f in enumerate(integrals.values(), start=1) if found.is_constant(f)}
+    others = [f for name, f in system.invariants.items() if name not in {"H", *system.functions.casimirs}]
+    all_known = dict.fromkeys([*integrals.values(), *others])
+    known = {f"K{k}": f for k, f in enumerate(all_known, start=1) if found.is_constant(f)}
     return System(found.bracket, energy, name=found.name, integrals=known)
 
 
@@ -269,6 +271,8 @@ def _relaxed(
             gap = float(norm((x - found.state) / units))
             if gap <= tol and _is_minimum(found):
                 outcome = "arrived"
+        elif has_passed():
+            outcome = "time limit"
         if t >= longest and outcome == "not arrived" and not end_is_given:  # high above a minimum all is faster
             longest = max(longest, LONGEST * min(_natural_time(flow, x, method), LONGEST * unit))
     if outcome == "not arrived" and found is not None and gap <= tol:
