@@ -41,6 +41,11 @@ def test_where_it_does_not_arrive_the_code_is_1(command):
     assert code == 1
     assert "outcome  saddle at t = 100" in out
     assert "start beside it" in err
+    code, out, err = command("relax", "free-rigid-body", "--start", "0.1,1,0", "--t-end", 1)
+    assert code == 1
+    assert re.search(r"^outcome  not arrived at t = 1$", out, re.MULTILINE)
+    assert "nearby   " in out  # where Newton's method leads is not where it ends
+    assert "ends at" not in out
 
 
 def test_orbits_sections_and_exponents_take_the_file(command, file):

@@ -36,6 +36,7 @@ SYSTEMS = {
     "forms": metriplectic(EULER, "C1", forms=([1, 1, 1], sympy.eye(3))),
     "matrix": metriplectic(EULER, "C1", matrix=[["l2^2/4 + l3^2/9", "-l1*l2/2", "-l1*l3/3"],
         ["-l1*l2/2", "l1^2 + l3^2/9", "-l2*l3/6"], ["-l1*l3/3", "-l2*l3/6", "l1^2 + l2^2/4"]]),
+    "a vector of symbols": double(EULER, "c1^2 + c2^2", symbols=["c[2]"]),
     "symbols": double(lp.System(lp.canonical(1), "dot(p, p)/2 - cos(q1)"), "c", symbols=["c"], metric=[1, 0]),
 }  # fmt: skip
 
@@ -95,6 +96,11 @@ WRONG = {
     "entropy": ('rate = "gamma"', 'rate = "gamma"\nentropy = "C1"', "a double bracket has none"),
     "no entropy": ('kind = "double bracket"', 'kind = "metriplectic"', "wanted the key entropy"),
     "no Casimir": ('kind = "double bracket"', 'kind = "metriplectic"\nentropy = "l1"', "wanted a Casimir"),
+    "two brackets": (
+        'kind = "double bracket"',
+        'kind = "metriplectic"\nentropy = "C1"\nmetric = [1, 1, 1, 1, 1, 1]\nmatrix = [0, 0, 0, 0, 0, 0]',
+        "leave one",
+    ),
     "metric": ('rate = "gamma"', 'rate = "gamma"\nmetric = [1, 1]', "6 entries"),
 }
 

@@ -130,6 +130,21 @@ def test_volumes_change_by_the_trace():
     assert abs(wanted) > 0.1
 
 
+@pytest.mark.parametrize("transient", [0, 5])
+def test_exponents_add_up_to_the_mean_divergence(transient):
+    """Along an orbit, and after a transient, with the integral by Simpson's rule as the third."""
+    damped = lp.dissipation.double_bracket(SYSTEMS["heavy top"], "1/10")
+    found = lp.lyapunov_spectrum(damped, {"l": (1, 0.5, 1), "alpha": (0.6, 0, 0.8)}, t_end=20, transient=transient)
+    orbit = lp.integrate(damped, found.start, times=np.linspace(0, 20 + transient, 4001))
+    trace = sympy.lambdify(damped.variables, damped.divergence)(*orbit.state[0, orbit.time >= transient - 1e-9].T)
+    assert len(trace) % 2 == 1
+    step = orbit.time[1]
+    wanted = step / 3 * (trace[0] + 4 * trace[1::2].sum() + 2 * trace[2:-1:2].sum() + trace[-1]) / 20
+    assert found.mean_divergence[0] == pytest.approx(wanted, rel=1e-9)
+    assert found.end_exponent[0].sum() == pytest.approx(wanted, rel=1e-9)
+    assert f"{wanted:.6f}"[:6] in found.check()
+
+
 def test_the_metriplectic_body_keeps_its_energy_and_its_entropy_never_falls():
     """It ends on the axis of the largest moment, with l3^2 = 2 I3 H."""
     flow = lp.dissipation.metriplectic(EULER, "C1", "1/10")
@@ -184,6 +199,16 @@ def test_rates_and_forms_may_depend_on_the_state_and_have_no_value():
     assert not still.falling
 
 
+def test_matrices_are_kept_as_they_were_when_the_damping_was_made():
+    form = [[2, 1, 0], [1, 3, 0], [0, 0, 1]]
+    damped = lp.dissipation.double_bracket(EULER, 1, metric=form)
+    form[0][0] = -7
+    assert damped.damping.metric == ((2, 1, 0), (1, 3, 0), (0, 0, 1))
+    once = lp.dissipation.metriplectic(EULER, "C1", forms=(iter(form) for form in ([1, 1, 1], [1, 2, 3])))
+    assert pickle.loads(pickle.dumps(once)).damping.forms == ((1, 1, 1), (1, 2, 3))
+    assert "forms" in once.file_text()
+
+
 def test_what_needs_a_bracket_is_told_where_it_is():
     with pytest.raises(AttributeError, match=r"system\.undamped"):
         _ = lp.dissipation.double_bracket(EULER).bracket
@@ -207,6 +232,22 @@ WRONG = {
     "negative rate": (lambda: double(EULER, "-1/10"), lp.errors.ParameterError, "rate: wanted one that is never"),
     "rate nan": (lambda: double(EULER, np.nan), lp.errors.ParameterError, "rate"),
     "rate of the state": (lambda: double(EULER, "l1"), lp.errors.ParameterError, "negative at"),
+    "negative far from zero": (lambda: double(EULER, "4 - l1^2"), lp.errors.ParameterError, "negative at"),
+    "rate nan of SymPy": (lambda: double(EULER, sympy.nan), lp.errors.ParameterError, "rate must be finite and real"),
+    "entry imaginary": (
+        lambda: double(EULER, 1, metric=[1, 1, sympy.I]), lp.errors.ParameterError, "metric[3] must be finite and real"
+    ),
+    "entropy of a double bracket": (
+        lambda: lp.dissipation.DampedSystem(EULER, lp.dissipation.Damping("double bracket", 1, "C1")),
+        lp.errors.ParameterError, "entropy: wanted none",
+    ),
+    "two brackets in a damping": (
+        lambda: lp.dissipation.DampedSystem(
+            EULER, lp.dissipation.Damping("metriplectic", 1, "C1", metric=[1, 1, 1], forms=([1, 1, 1], [1, 1, 1]))
+        ),
+        lp.errors.ParameterError, "leave one",
+    ),
+    "forms a text": (lambda: metriplectic(EULER, "C1", forms="ab"), lp.errors.ParameterError, "two symmetric"),
     "unknown name": (lambda: double(EULER, "gamma"), lp.errors.ExpressionError, "rate: "),
     "not symmetric": (
         lambda: double(EULER, 1, metric=[[1, 1, 0], [0, 1, 0], [0, 0, 1]]), lp.errors.ParameterError, "symmetric matrix"

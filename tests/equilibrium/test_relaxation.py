@@ -2,6 +2,7 @@ r"""Relaxation ends at the minima that the theory and the algebra name, at the r
 
 import numpy as np
 import pytest
+import sympy
 
 import liepoisson as lp
 
@@ -76,6 +77,70 @@ def test_outcomes_say_where_it_did_not_arrive():
     assert "not arrived" in repr(flat)
     away = relax(EULER, [0, 1, 1e-9])  # from beside the saddle, it does not stay there
     assert away.outcome == "arrived"
+
+
+@pytest.mark.parametrize("energy", ["p1^2/2 - q1^4/4", "p1^2/2 + q1^3", "q1^2*p1^2 - q1^5"])
+def test_where_second_derivatives_vanish_no_minimum_is_claimed(energy):
+    """At the origin, which is none: the second variation is semidefinite."""
+    found = relax(lp.System(lp.canonical(1), energy), [0, 0], t_end=40)
+    assert (found.outcome, found.equilibrium.signature[1]) == ("undecided", 0)
+
+
+def test_with_a_casimir_the_known_integrals_remain():
+    """A minimum of H - C1 lies in the circle that the angular momentum makes."""
+    body = lp.System(lp.so(3) @ lp.trivial(), "l1^2 + l2^2 + 2*l3^2", integrals={"K": "l3"})
+    found = relax(body, [1, 1, 1], along={"C1": "1/2"})
+    assert (found.outcome, found.equilibrium.signature) == ("arrived", (1, 0, 1))
+
+
+def test_along_the_motions_of_known_integrals_the_second_variation_may_vanish():
+    """The circle |q| = 1 of minima, with and without the angular momentum."""
+    well = "dot(p, p)/2 + (dot(q, q) - 1)^2"
+    known = relax(lp.System(lp.canonical(2), well, integrals={"M": "q1*p2 - q2*p1"}), [0.3, 0.4, 0.1, -0.2])
+    assert (known.outcome, known.equilibrium.signature) == ("arrived", (3, 0, 1))
+    assert relax(lp.System(lp.canonical(2), well), [0.3, 0.4, 0.1, -0.2], t_end=200).outcome == "undecided"
+
+
+@pytest.mark.thorough
+def test_an_orbit_that_fails_has_no_equilibrium_of_an_earlier_time():
+    """From beside the saddle of p^2/2 - q^2/2 - q^4 it stays for a while, and then runs to infinity."""
+    found = relax(lp.System(lp.canonical(1), "p1^2/2 - q1^2/2 - q1^4"), [1e-16, 0])
+    assert (found.outcome, found.equilibrium, found.gap) == ("step too small", None, np.inf)
+    assert found.energy[-1] < -1e4  # at its last good state
+    far = relax(lp.System(lp.canonical(1), "p1^2/2 + exp(-q1^2)"), [1e-12, 0], t_end=60)
+    assert far.outcome == "not arrived"
+    assert "at energy" not in repr(far)
+
+
+def test_the_time_limit_may_pass_within_newtons_method(monkeypatch):
+    def late(*_):
+        raise lp.errors.TimeLimitError("late")
+
+    monkeypatch.setattr("liepoisson.equilibrium.relaxation.equilibrium_near", late)
+    assert relax(EULER, [1, 1, 1], t_end=1).equilibrium is None
+
+
+@pytest.mark.thorough
+def test_from_high_above_a_minimum_it_has_the_time_of_the_minimum():
+    """In the well (q^2 - 1)^2 the natural time at |q| = 100 is a thousandth of that at the bottom."""
+    found = relax(lp.System(lp.canonical(1), "p1^2/2 + (q1^2 - 1)^2"), [100, 0])
+    assert found.outcome == "arrived"
+    assert np.abs(np.abs(found.equilibrium.state) - [1, 0]).max() < 1e-12
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("momentum", "field"), [(1e8, 1), (1, 1e8), (1e6, 1e-6)])
+def test_fields_in_units_of_their_own_relax_alike(momentum, field):
+    """(l, alpha) -> (c l, d alpha) with H(l/c, alpha/d) c: the motion is the same."""
+    units = np.repeat([momentum, field], 3)
+    scaled = HEAVY.hamiltonian.subs(
+        {x: x / sympy.Rational(u) for x, u in zip(HEAVY.variables, units, strict=True)}, simultaneous=True
+    )
+    system = lp.System(HEAVY.bracket, scaled * sympy.Rational(momentum))
+    start = np.array([0.3, 1, 0.2, 0.5, 0.1, 0.9])
+    found = relax(system, start * units)
+    assert found.outcome == "arrived"
+    assert np.abs(found.equilibrium.state / units - relax(HEAVY, start).equilibrium.state).max() < 1e-12
 
 
 def test_in_other_units_it_arrives_alike():

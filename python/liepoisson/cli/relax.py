@@ -78,18 +78,22 @@ def relaxation_lines(found: Relaxation) -> list[str]:
         return lines
     return [
         *lines,
-        f"ends at  {', '.join(f'{value:.9g}' for value in one.state)}",
+        f"{'ends at ' if found.is_at_rest else 'nearby  '} {', '.join(f'{value:.9g}' for value in one.state)}",
         f"         {one!r}",
         f"         within {found.gap:.0e} of the end of the orbit; error at most {one.distance:.0e} of its length",
-        f"approach like exp(-{found.decay:.6g} t)" if found.decay > 0 else "approach not exponential",
+        *([_approach(found.decay)] if found.outcome == "arrived" else []),
     ]
+
+
+def _approach(decay: float) -> str:
+    return f"approach like exp(-{decay:.6g} t)" if decay > 0 else "approach not exponential"
 
 
 def _reason(found: Relaxation) -> str:
     if found.outcome == "saddle":
         return "it stays at an equilibrium that is no minimum: start beside it."
     if found.outcome == "undecided":
-        return "it is at rest, but doubles do not tell whether at one equilibrium or in a family, nor its stability."
+        return "it is at rest, but second derivatives do not tell whether at a minimum: start beside it."
     if found.outcome == "not arrived":
         return "it did not arrive: take a longer --t-end; at a degenerate minimum the approach is not exponential."
     if found.outcome == "time limit":

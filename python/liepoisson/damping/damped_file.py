@@ -114,7 +114,8 @@ def damped_text(system: DampedSystem) -> str:
     further = {name: value_text(value) for name, value in system.values.items() if system.is_of_damping(name)}
     tables["parameters"] = further | tables.get("parameters", {})
     own = tables["parameters"].get("symbols", [])
-    symbols = [text for text in system.as_given.symbols if text not in own and system.is_of_damping(text)]
+    declared = {text: read_declaration(text)[0] for text in system.as_given.symbols}
+    symbols = [text for text, name in declared.items() if text not in own and system.is_of_damping(name)]
     if own or symbols:
         tables["parameters"]["symbols"] = [*own, *symbols]
     given = {one.name: getattr(system.damping, one.name) for one in fields(Damping)}

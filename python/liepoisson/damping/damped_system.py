@@ -3,7 +3,7 @@ r"""Systems with damping that keeps the geometry: $\dot x = J\nabla H + F$, with
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, get_args
 
@@ -18,7 +18,7 @@ from liepoisson.damping.damping_vector import (
     of_matrix,
     weakest,
 )
-from liepoisson.damping.symmetric_forms import FormLike, Known, Sign, never_negative, read_form
+from liepoisson.damping.symmetric_forms import FormLike, Known, Sign, form_entries, never_negative, read_form
 from liepoisson.errors import BracketError, ExpressionError, ParameterError
 from liepoisson.formula.parameters import GivenValue, Parameter, flattened, read_kept_values, read_parameter
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -29,7 +29,7 @@ from liepoisson.inputs.refusals import not_a, not_a_system, shown
 from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression, read_declarations, scope_of
 from liepoisson.model.system import System
 from liepoisson.model.vector_field import VectorField
-from liepoisson.structure.given_expressions import read_expression_in, with_exact_numbers
+from liepoisson.structure.given_expressions import check_real, read_expression_in, with_exact_numbers
 
 if TYPE_CHECKING:
     import numpy as np
@@ -142,7 +142,7 @@ class DampedSystem(VectorField):
             kinds = " or ".join(map(repr, get_args(Kind)))
             raise not_a(f"a Damping of the kind {kinds}", damping, "damping", "write double_bracket(system, rate)")
         self.undamped: System = undamped
-        self.damping: Damping = damping
+        self.damping: Damping = _kept(damping, undamped.component_names)
         values = {**undamped.values, **_own_values(undamped, parameters)}
         declared = (*undamped.as_given.symbols, *read_declarations(symbols))
         self._scope: Scope = scope_of(undamped.symbolic_bracket, values, declared)
@@ -179,12 +179,9 @@ class DampedSystem(VectorField):
         if given.matrix is not None:
             return of_matrix(system, entropy, read_form(given.matrix, names, "matrix", self._formula))
         if given.forms is not None:
-            both = listed(given.forms, "forms")
-            if both is None or len(both) != 2:
-                raise not_a("two symmetric matrices", given.forms, "forms", "write for example forms=(sigma, mu)")
             sigma, mu = (
                 read_form(form, names, f"forms: the {which}", self._formula)
-                for form, which in zip(both, ("first", "second"), strict=True)
+                for form, which in zip(given.forms, ("first", "second"), strict=True)
             )
             return of_kulkarni_nomizu(system, entropy, sigma, mu)
         if not system.bracket.is_linear:
@@ -219,8 +216,10 @@ class DampedSystem(VectorField):
             except ExpressionError as error:
                 raise ExpressionError(f"{name}: {error.message}", error.text, error.position) from None
         elif is_expression(given):
-            names, coordinates = self._scope.numbers(), self.undamped.component_names
-            read = with_exact_numbers(read_expression_in(given, coordinates, names, self._flat))
+            coordinates = self.undamped.component_names
+            others = self._scope.numbers() - {*coordinates}
+            read = with_exact_numbers(read_expression_in(given, coordinates, others, self._flat))
+            check_real(read, name)
         else:
             read = to_sympy(read_parameter(given, name))
         self._read_names |= {str(symbol) for symbol in read.free_symbols}
@@ -486,11 +485,6 @@ def metriplectic(
 
     References: [morrison2024]; for the rigid body [morrison1986].
     """
-    given = [key for key, value in (("metric", metric), ("forms", forms), ("matrix", matrix)) if value is not None]
-    if len(given) > 1:
-        raise ParameterError(
-            f"{given[0]}: wanted one of metric, forms and matrix; got {' and '.join(given)}; leave one"
-        )
     if not isinstance(entropy, str) and not is_expression(entropy):
         raise not_a("a Casimir, as a text or an expression", entropy, "entropy", 'write entropy="C1"')
     damping = Damping("metriplectic", rate, entropy, metric, forms, matrix)
@@ -511,6 +505,35 @@ def _check_system(system: Any) -> None:
             f"system: wanted one whose state is a point of its phase space; {system.name} has {found} besides, found "
             "by quadrature; make it without quadratures"
         )
+
+
+def _kept(damping: Damping, names: tuple[str, ...]) -> Damping:
+    """The damping with its matrices as tuples: nobody changes them later, and iterators are read once.
+
+    Raises:
+        ParameterError: a matrix is given that this damping has not, or something else than a matrix.
+    """
+    double = damping.kind == "double bracket"
+    for key in ("entropy", "forms", "matrix"):
+        if double and (value := getattr(damping, key)) is not None:
+            raise ParameterError(f"{key}: wanted none, as a double bracket has none; got {shown(value)}; leave it out")
+    given = [key for key in ("metric", "forms", "matrix") if getattr(damping, key) is not None]
+    if len(given) > 1:
+        raise ParameterError(
+            f"{given[0]}: wanted one of metric, forms and matrix; got {' and '.join(given)}; leave one"
+        )
+    if not given or isinstance(damping.metric, str):
+        return damping
+    form = getattr(damping, given[0])
+    if given != ["forms"]:
+        return replace(damping, **{given[0]: form_entries(form, names, given[0])})
+    both = None if isinstance(form, str) else listed(form, "forms")
+    if both is None or len(both) != 2:
+        raise not_a("two symmetric matrices", form, "forms", "write for example forms=(sigma, mu)")
+    places = ("forms: the first", "forms: the second")
+    return replace(
+        damping, forms=tuple(form_entries(one, names, which) for one, which in zip(both, places, strict=True))
+    )
 
 
 def _own_values(system: System, parameters: Any) -> Mapping[str, Any]:

@@ -52,22 +52,17 @@ def read_form(given: Any, names: Sequence[str], name: str, read: Callable[[Any, 
     """
     from sympy import Matrix, diag
 
-    n = len(names)
-    example = f"write for example {name}=[{', '.join(['1'] * min(n, 4))}{', ...' if n > 4 else ''}], a diagonal"
-    given = given.tolist() if is_sympy(given) else given
-    rows = listed(given, name, names)
-    if rows is None:
-        raise not_a("a symmetric matrix or its diagonal", given, name, example)
-    inner = [None if isinstance(row, str) else listed(row, name) for row in rows]
-    if all(row is None for row in inner):
+    n, rows = len(names), form_entries(given, names, name)
+    example = _example(names, name)
+    if not any(isinstance(row, tuple) for row in rows):
         if len(rows) != n:
             raise ShapeError(f"{name}: wanted {n} entries, one for each coordinate; got {len(rows)}; {example}")
         return diag(*(read(entry, f"{name}[{k + 1}]") for k, entry in enumerate(rows)))
-    if len(rows) != n or any(row is None or len(row) != n for row in inner):
-        sizes = [0 if row is None else len(row) for row in inner]
+    sizes = [len(cast("Any", row)) if isinstance(row, tuple) else 0 for row in rows]
+    if sizes != [n] * n:
         raise ShapeError(f"{name}: wanted {n} rows of {n} entries; got {len(rows)} rows of {sizes!s:.40}; {example}")
     found: Any = Matrix(
-        [[read(entry, f"{name}[{i + 1}, {j + 1}]") for j, entry in enumerate(row or ())] for i, row in enumerate(inner)]
+        [[read(entry, f"{name}[{i + 1}, {j + 1}]") for j, entry in enumerate(row)] for i, row in enumerate(rows)]
     )
     for i in range(n):
         for j in range(i):
@@ -77,6 +72,27 @@ def read_form(given: Any, names: Sequence[str], name: str, read: Callable[[Any, 
                     f"[{j + 1}, {i + 1}]; give both the same entry, such as half of their sum"
                 )
     return found
+
+
+def form_entries(given: Any, names: Sequence[str], name: str) -> tuple[Any, ...]:
+    """The entries of a symmetric matrix as they were given, as a tuple of rows, or those of its diagonal.
+
+    Nobody changes them later, an iterator is read once, and labels have decided the order.
+
+    Raises:
+        ParameterError: it is no sequence.
+    """
+    rows = listed(given.tolist() if is_sympy(given) else given, name, names)
+    if rows is None:
+        raise not_a("a symmetric matrix or its diagonal", given, name, _example(names, name))
+    inner = [None if isinstance(row, str) else listed(row, name) for row in rows]
+    return tuple(entry if row is None else tuple(row) for entry, row in zip(rows, inner, strict=True))
+
+
+def _example(names: Sequence[str], name: str) -> str:
+    n = len(names)
+    entries = f"[{', '.join(['1'] * min(n, 4))}{', ...' if n > 4 else ''}]"
+    return f"write for example {name}={entries}, a diagonal" if name.isidentifier() else f"give for example {entries}"
 
 
 def semidefinite(form: Matrix, variables: Sequence[Symbol]) -> Sign:
@@ -130,8 +146,9 @@ def _is_negative(value: Any) -> bool | None:
 
 
 def points(variables: Sequence[Symbol]) -> Iterator[dict[Symbol, Any]]:
-    """States with rational coordinates between -1 and 1, the same in every call."""
+    """States with rational coordinates, the same in every call: u/(1 - u^2) for u between -1 and 1, so of any size."""
     from sympy import Rational
 
     for k in range(N_POINTS):
-        yield {x: Rational((k + 2) * (i + 3) ** 2 * 37 % 41 - 20, 21) for i, x in enumerate(variables)}
+        steps = [(k + 2) * (i + 3) ** 2 * 37 % 41 - 20 for i in range(len(variables))]
+        yield {x: Rational(21 * step, 441 - step**2) for x, step in zip(variables, steps, strict=True)}

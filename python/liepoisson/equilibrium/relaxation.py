@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.compile.symbols import evaluated
 from liepoisson.damping.damped_system import DampedSystem, double_bracket
+from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.equilibrium.leaf_equilibria import equilibrium_near
 from liepoisson.equilibrium.linearisation import ComplexArray
-from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.equilibrium.second_variation import Symmetries
+from liepoisson.errors import LeafError, ParameterError, ShapeError, TimeLimitError
 from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number, as_time
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
@@ -66,11 +68,12 @@ class Relaxation(ReadOnlyArrays, Tabular):
         state: The orbit, shape (time, component).
         energy: H along it, less $\sum_j\Omega_j K_j$ where integrals were given, shape (time,).
         outcome: "arrived" at a minimum; "saddle": it is at an equilibrium that is none; "undecided": it is at rest, and
-            the equilibrium is "undecided"; "not arrived" by the end of the time, as where minima are degenerate; "time
-            limit"; or how the orbit failed, as where H is not bounded on the leaf: "step too small", "not finite", "max
-            steps".
-        equilibrium: The equilibrium next to the end of the orbit, with its stability, its residual and a bound on its
-            error (`distance`), or None where Newton's method found none.
+            second derivatives do not tell whether at a minimum: the equilibrium is "undecided", or H has directions
+            without a second derivative that are none of known integrals; "not arrived" by the end of the time, as where
+            minima are degenerate; "time limit"; or how the orbit failed, as where H is not bounded on the leaf: "step
+            too small", "not finite", "max steps".
+        equilibrium: The equilibrium that Newton's method reaches from the end of the orbit, with its stability, its
+            residual and a bound on its error (`distance`), or None where it reaches none or the orbit failed.
         gap: How far the end of the orbit is from it, in units in which states of the leaf are of order one.
     """
 
@@ -116,8 +119,13 @@ class Relaxation(ReadOnlyArrays, Tabular):
         others = np.delete(values, np.argsort(np.abs(values))[:nullity])
         return float(-others.real.max()) if len(others) else np.nan
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether the end of the orbit is within the tolerance of the equilibrium."""
+        return self.outcome in ("arrived", "saddle", "undecided")
+
     def __repr__(self) -> str:
-        where = "" if self.equilibrium is None else f" at energy {self.equilibrium.energy:.6g}"
+        where = "" if self.equilibrium is None or not self.is_at_rest else f" at energy {self.equilibrium.energy:.6g}"
         falls = f"from {self.energy[0]:.6g} to {self.energy[-1]:.6g} in t = {self.time[-1]:g}"
         return f"<Relaxation of {self.flow.undamped.name!r}: {self.outcome}{where}; {falls}>"
 
@@ -137,7 +145,7 @@ def relax(
 
     The orbit of the double bracket, $\dot x = J\nabla H + \gamma J g J\nabla H$, is followed until Newton's method on
     the leaf of the start finds an equilibrium within `tol` of it that is a minimum. Of a system, $\gamma = 1/|J|$ at
-    the start and g is the identity; a damped system has its own.
+    the start and g is the identity, in units in which states of the leaf are of order one; a damped system has its own.
 
     Example:
         >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
@@ -150,7 +158,8 @@ def relax(
         start: One state, shape (N,), or vectors and components by name, the others being zero.
         along: Values of $\Omega_j$ by integrals, by their names in `system.invariants` or as formulas: with
             {"l3": "1/2"} a steady rotation at this rate is sought, a minimum of $H - \Omega\,\ell_3$.
-        t_end: The longest orbit; by default 10,000 natural times.
+        t_end: The longest orbit; by default 10,000 natural times of its start, or of its end where these are longer,
+            but at most 10,000 times as long.
         tol: How near the orbit must come, in units in which states of the leaf are of order one.
         method: How; by default `Taylor()`.
 
@@ -175,7 +184,7 @@ def relax(
         lowered = _lowered(own, along)
         leaf = Leaf.through(lowered, states[0])
         _ = leaf.equations  # refused before anything is computed
-        flow = system if isinstance(system, DampedSystem) and lowered is own else _damped(system, lowered, states[0])
+        flow = system if isinstance(system, DampedSystem) and lowered is own else _damped(system, leaf)
         return _relaxed(flow, leaf, longest, tol, method)
 
 
@@ -210,26 +219,33 @@ def _lowered(system: System, along: Any) -> System:
         return system
     words = " - ".join(["H", *(f"{value}*{name}" for name, value in rates.items())])
     found = System(system.bracket, energy, name=f"{system.name}, {words}"[:MAX_TITLE])
-    known = {f"K{k}": f for k, f in enumerate(integrals.values(), start=1) if found.is_constant(f)}
+    others = [f for name, f in system.invariants.items() if name not in {"H", *system.functions.casimirs}]
+    all_known = dict.fromkeys([*integrals.values(), *others])
+    known = {f"K{k}": f for k, f in enumerate(all_known, start=1) if found.is_constant(f)}
     return System(found.bracket, energy, name=found.name, integrals=known)
 
 
-def _damped(given: System | DampedSystem, system: System, state: Array) -> DampedSystem:
-    """The system with the damping that was given, or with the rate 1/|J|."""
+def _damped(given: System | DampedSystem, leaf: Leaf) -> DampedSystem:
+    """The system with the damping that was given, or with the double bracket of the identity in the units of the leaf.
+
+    With y = x/u the bracket is J/(u u^T), and the identity for y is the form with 1/u^2 on velocities of x.
+    """
     if isinstance(given, DampedSystem):
         values = {name: value for name, value in given.values.items() if given.is_of_damping(name)}
-        return DampedSystem(system, given.damping, values)
-    size = float(norm(system.functions.poisson_tensor(state)))
-    return double_bracket(system, float(f"{1 / size:.3g}") if 0 < size < np.inf else 1)
+        return DampedSystem(leaf.system, given.damping, values)
+    units = leaf.in_units().units
+    size = float(norm(leaf.system.functions.poisson_tensor(leaf.state) / units / units[:, None]))
+    rate = float(f"{1 / size:.3g}") if 0 < size < np.inf else 1
+    return double_bracket(leaf.system, rate, metric=None if (units == 1).all() else [*(1 / units**2)])
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of an orbit without bounds
 def _relaxed(
     flow: DampedSystem, leaf: Leaf, longest: float | None, tol: float, method: MethodChoice | None
 ) -> Relaxation:
     x, units = leaf.state, leaf.in_units().units
-    unit = float(time_scale(flow, x, method=method, time_limit=seconds_left(TIME_LIMIT))[0])
-    unit = unit if 0 < unit < np.inf else 1.0  # all that is near is at rest
-    longest = LONGEST * unit if longest is None else longest
+    unit = _natural_time(flow, x, method)
+    end_is_given, longest = longest is not None, LONGEST * unit if longest is None else longest
     times, states, t = [np.zeros(1)], [x[None]], 0.0
     found: Equilibrium | None = None
     outcome, gap = "not arrived", np.inf
@@ -237,6 +253,7 @@ def _relaxed(
         if has_passed():
             outcome = "time limit"
             break
+        found, gap = None, np.inf
         end = min(max(2 * t, FIRST * unit), longest)
         run = integrate(
             flow, x, times=np.linspace(t, end, _N_TIMES), method=method, time_limit=seconds_left(TIME_LIMIT)
@@ -247,11 +264,17 @@ def _relaxed(
         x, t = run.end_state[0], end
         if run.outcome[0] != "finished":
             outcome = str(run.outcome[0])
-        elif (near := _near(leaf, x)) is not None:
-            gap = float(norm((x - near.state) / units))
-            found = near
-            if gap <= tol and near.family != "undecided" and not near.signature[1]:
+            if run.end_time[0] > np.concatenate(times)[-1]:  # its last good state
+                times.append(run.end_time)
+                states.append(run.end_state)
+        elif (found := _near(leaf, x)) is not None:
+            gap = float(norm((x - found.state) / units))
+            if gap <= tol and _is_minimum(found):
                 outcome = "arrived"
+        elif has_passed():
+            outcome = "time limit"
+        if t >= longest and outcome == "not arrived" and not end_is_given:  # high above a minimum all is faster
+            longest = max(longest, LONGEST * min(_natural_time(flow, x, method), LONGEST * unit))
     if outcome == "not arrived" and found is not None and gap <= tol:
         outcome = "saddle" if found.signature[1] else "undecided"
     path = np.concatenate(states)
@@ -259,9 +282,27 @@ def _relaxed(
     return Relaxation(flow, leaf, np.concatenate(times), path, energy, outcome, found, gap)
 
 
+def _natural_time(flow: DampedSystem, x: Array, method: MethodChoice | None) -> float:
+    unit = float(time_scale(flow, x, method=method, time_limit=seconds_left(TIME_LIMIT))[0])
+    return unit if 0 < unit < np.inf else 1.0  # all that is near is at rest
+
+
 def _near(leaf: Leaf, x: Array) -> Equilibrium | None:
     """What Newton's method finds from a state, on its leaf: that of the start, up to the drift of the Casimirs."""
     try:
         return equilibrium_near(leaf.system, x)
-    except (LeafError, ParameterError):
+    except (LeafError, ParameterError, TimeLimitError):
         return None
+
+
+def _is_minimum(found: Equilibrium) -> bool:
+    """Whether H rises in all directions but those in which the motions of known integrals carry the equilibrium.
+
+    Others without a second derivative tell nothing: of H = p^2 - q^4 the origin is no minimum.
+    """
+    _, falling, flat = found.signature
+    if falling or not flat or found.family == "undecided":
+        return not falling and found.family != "undecided"
+    view = found.leaf.in_units()
+    along = HamiltonianFields(view.system, [view.system.functions.energy])
+    return Symmetries.of(view, along).combinations(found.state / view.units).shape[1] == flat

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.indicators.covariant_vectors import CovariantRecord, CovariantVectors
+from liepoisson.indicators.mean_divergence import mean_divergence
 from liepoisson.indicators.mean_error import mean_error, mean_over_starts
 from liepoisson.indicators.structural_zeros import (
     PoissonStructure,
@@ -20,7 +22,7 @@ from liepoisson.indicators.structural_zeros import (
     spectrum_residuals,
 )
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
-from liepoisson.inputs.arrays import Array, check_shape
+from liepoisson.inputs.arrays import Array, check_shape, read_only
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.io.result import labelled, part
@@ -128,6 +130,25 @@ class Spectrum(IntegratedRun):
         """
         finished = self.outcome == "finished"
         return mean_over_starts(self.end_exponent[finished], self.error[finished])
+
+    @cached_property
+    def mean_divergence(self) -> Array:
+        r"""The mean of $\mathrm{div} f$ along each orbit, to which all exponents add up, shape (trajectory,).
+
+        It is computed when it is first asked for, along the orbit without tangent vectors: of a chaotic orbit the sum
+        is met up to the fluctuations of such means. NaN where a trajectory failed, or the equations are not known or
+        depend on time.
+        """
+        finished, value = self.outcome == "finished", np.full(len(self.start), np.nan)
+        if finished.any():
+            value[finished] = mean_divergence(
+                self.system,
+                self.start[finished],
+                transient=self.transient,
+                t_end=float(self.time[-1]),
+                time_limit=self.time_limit,
+            )
+        return read_only(value)
 
     @property
     def residuals(self) -> SpectrumResiduals:

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from liepoisson.compile.field import Field, PiecesField
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.indicators.mean_divergence import divergence_of
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.deadline import Deadline
@@ -224,8 +225,8 @@ class SpectrumResiduals(ReadOnlyArrays):
 
     Attributes:
         sum: Sum of all exponents, shape (trajectory,): zero where the flow keeps the volume,
-            $\mathrm{div}\,J\nabla H = 0$, as for all H on a unimodular algebra.  On others, such as the affine one, it
-            is the mean of the divergence.
+            $\mathrm{div}\,J\nabla H = 0$, as for all H on a unimodular algebra.  On others, such as the affine one, and
+            of damped systems it is `Spectrum.mean_divergence`.
         pairing: $\lambda_k + \lambda_{N+1-k}$ for the exponents in decreasing order, shape (trajectory, N // 2); NaN
             for starts on leaves of lower rank, across which exponents need not be paired.
         zeros: The structural zeros, the middle exponents in decreasing order, shape (trajectory, largest number of
@@ -304,10 +305,14 @@ def _sum_line(spectrum: Spectrum, total: Array) -> str:
     states = np.concatenate([spectrum.start[finished], spectrum.end_state[finished]])
     if keeps_volume(spectrum.field, states, time=spectrum.interval, method=spectrum.method):
         return f"sum of all exponents: at most {_largest(total):.1e}"
-    divergence: Any = getattr(spectrum.system, "divergence", None)
-    if divergence is not None and divergence.is_number:
-        known = float(divergence)
-        return f"sum of all exponents: {known:.10g}, the divergence of the field, within {_largest(total - known):.1e}"
+    mean = spectrum.mean_divergence[finished]
+    if np.isfinite(mean).all():
+        what = (
+            "divergence of the field"
+            if divergence_of(spectrum.system).is_number
+            else "mean divergence along orbits computed apart"
+        )
+        return f"sum of all exponents: {_interval(total, '.10g')}, the {what}, within {_largest(total - mean):.1e}"
     return (
         f"sum of all exponents: from {total.min():.2g} to {total.max():.2g}; not expected to vanish, as the flow does "
         f"not keep the volume (div {'f' if spectrum.structure is None else 'J grad H'} is not 0)"
@@ -319,9 +324,9 @@ def _largest(values: Array) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def _interval(values: Array) -> str:
-    """The least and the largest one, or the one that both are to two digits."""
-    ends = sorted({f"{value:.1e}" for value in (np.nanmin(values), np.nanmax(values))}, key=float)
+def _interval(values: Array, digits: str = ".1e") -> str:
+    """The least and the largest one, or the one that both are to these digits."""
+    ends = sorted({f"{value:{digits}}" for value in (np.nanmin(values), np.nanmax(values))}, key=float)
     return " to ".join(ends)
 
 
