@@ -234,6 +234,30 @@ def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
     np.testing.assert_array_equal(drawn, run.state[:, 0])
 
 
+@pytest.mark.parametrize(
+    ("axis", "length", "words"),
+    [
+        ("2*b", 4 * np.pi, r"$2\,b$ (mod $4\pi$)"),
+        ("a - 2*b", 2 * np.pi, r"$a - 2\,b$ (mod $2\pi$)"),
+        ("b^2", None, "$b^{2}$"),
+    ],
+)
+def test_a_combination_of_declared_angles_is_cut_by_what_turns_change_it_by(axis, length, words):
+    angles = lp.canonical(names=["a", "b"], angles=["a", "b"])
+    system = lp.System(angles, "p_a^2/2 + p_b^2/2 - cos(a)/5*(1 + sin(b)/3) - cos(b)/9")
+    run = lp.section(system, {"p_a": 1.9, "p_b": 1.3}, surface="a", t_end=100)
+    ax = draw(run, axis, "p_b")
+    drawn, values = np.concatenate([line.get_xdata() for line in ax.lines]), system.functions.of(axis)(run.state)
+    assert ax.get_xlabel() == words
+    if length is None:
+        np.testing.assert_array_equal(drawn, values)
+        return
+    assert np.ptp(values) > length > np.ptp(drawn) > length / 2
+    np.testing.assert_allclose(np.exp(2j * np.pi * drawn / length), np.exp(2j * np.pi * values / length), atol=1e-9)
+    later = draw(run, axis, "p_b", sign=1, ax=ax).lines[1:]  # in the same turn
+    assert np.isin(np.concatenate([line.get_xdata() for line in later]), drawn).all()
+
+
 def test_a_formula_beyond_a_half_turn_is_a_coordinate(points):
     expected = 9 * np.sum(points.state[:, :3] ** 2, axis=1)
     assert expected.max() > np.pi

@@ -116,7 +116,10 @@ class ExtendedField(NumberField):
 
         if not any(value.free_symbols for value in values):
             check_degree(values)
-        self._domain: Any = construct_domain(list(values), field=True, extension=True)[0]
+        domain, elements = construct_domain(list(values), field=True, extension=True)
+        self._domain: Any = domain
+        # of an algebraic number that is read alone, SymPy looks for the minimal polynomial, which takes seconds
+        self._known: dict[Expr, Any] = dict(zip(values, elements, strict=True)) if self._domain.is_Algebraic else {}
         symbols: Sequence[Any] = () if self._domain.is_Algebraic else getattr(self._domain, "symbols", ())
         numbers = [s for s in symbols if not s.is_Symbol]
         # An algebraic number that is taken for a free generator could vanish unnoticed.
@@ -136,7 +139,8 @@ class ExtendedField(NumberField):
 
     def read(self, value: Exact) -> Scalar:
         """The element of the domain; a denominator that contains symbols is noted as nonzero."""
-        element = self._domain.from_sympy(to_sympy(value))
+        expression = to_sympy(value)
+        element = self._known[expression] if expression in self._known else self._domain.from_sympy(expression)
         if self._has_symbols and element:
             self._note(self._domain.to_sympy(element).as_numer_denom()[1])
         return element

@@ -28,6 +28,7 @@ from liepoisson.plot.style import (
     new_figure,
     set_heading,
 )
+from liepoisson.poincare.section_arguments import modulus_of_surface
 from liepoisson.poincare.section_coordinates import (
     Levels,
     component_axes,
@@ -94,10 +95,12 @@ def section(
     on how many levels the orbits lie (`liepoisson.sections.section_starts` draws starts of one).
 
     An angle is drawn within one turn: "atan2(b, a)", or a component that leaves $(-\pi, \pi)$ and after whole turns of
-    which the rates are the same.  The turn begins in the middle of the largest gap g that the n angles leave, if chance
-    would hardly leave one as large, $n\,2^{-g/m} \le 0.01$, so that islands stay whole; else at $-\pi$.  Here m is the
-    median of the $\sqrt n$ gaps on one side or the other, whichever is larger: n independent angles as dense as there
-    leave so many gaps as large.  The command `section` draws by the same rule.
+    which the rates are the same.  Where a System says which coordinates are angles, and which period time has, a
+    formula that changes by a constant m after each turn, as "2*b" does by $4\pi$, is drawn modulo m.  The turn begins
+    in the middle of the largest gap g that the n angles leave, if chance would hardly leave one as large,
+    $n\,2^{-g/d} \le 0.01$, so that islands stay whole; else at $-\pi$, or $-m/2$.  Here d is the median of the
+    $\sqrt n$ gaps on one side or the other, whichever is larger: n independent angles as dense as there leave so many
+    gaps as large.  The command `section` draws by the same rule.
 
     Axes that were drawn into before keep their coordinates, labels and turn; of a title that was ours the lines stay
     that are true of both sections.
@@ -159,7 +162,7 @@ def section(
     colours = as_colours(colour)
     diameter = None if size is None else as_positive(size, "size", "a positive number of printer's points", example=2)
     check_title_of_figure(title)
-    plane = _plane(points, (x, y), chosen, window=window, turns=(None, None) if before is None else before.turns)
+    plane = _plane(points, (x, y), chosen, window=window, before=before)
     heading = _heading(points, np.unique(member[plane.shown])) if title is None else title
     panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
     with house_style():
@@ -168,8 +171,8 @@ def section(
         present = ("", "") if before is None else (ax.get_xlabel(), ax.get_ylabel())
         own = [_kept_label(*both) for both in zip((x, y), plane.labels, present, strict=True)]
         labels = [label if given is None else given for label, given in zip(own, (xlabel, ylabel), strict=True)]
-        turns = tuple(-np.pi if turn is None else turn for turn in plane.turns)
-        shown = _Shown((_name_of(x), _name_of(y)), turns, sheets if len(panels) > 1 else "")
+        begins = tuple(None if turn is None else turn.begin for turn in plane.turns)
+        shown = _Shown((_name_of(x), _name_of(y)), begins, sheets if len(panels) > 1 else "")
         filled = plane._replace(labels=labels)
         _fill(
             zip(drawn, (of for _, of in panels), strict=True),
@@ -246,12 +249,20 @@ def _side_by_side(ax: Axes, n: int) -> list[Axes]:
     return [ax, *(ax.figure.add_subplot(grid[k], sharex=ax, sharey=ax) for k in range(1, n))]
 
 
+class _Turn(NamedTuple):
+    """Where a turn begins, and its length, as a number and as mathematical text."""
+
+    begin: float
+    length: float
+    text: str
+
+
 class _Plane(NamedTuple):
-    """The two coordinates of each crossing, their labels, where the turns of angles begin, and what is shown."""
+    """The two coordinates of each crossing, their labels, the turns of angles, and what is shown."""
 
     values: FloatArray
     labels: Sequence[str]
-    turns: tuple[float | None, ...]
+    turns: tuple[_Turn | None, ...]
     shown: NDArray[np.bool_]
 
 
@@ -261,37 +272,72 @@ def _plane(
     chosen: NDArray[np.bool_],
     *,
     window: float | None = None,
-    turns: tuple[float | None, ...] = (None, None),
+    before: _Shown | None = None,
 ) -> _Plane:
     """Two coordinates of crossings, angles within one turn: a given one, that of the axes, or the best one."""
     given = [_values(points, axis, len(chosen), which) for axis, which in zip(axes, "xy", strict=True)]
     shown = chosen & np.isfinite(given[0]) & np.isfinite(given[1])
     wanted = None if window is None else as_number(window, "window", "an angle in radians")
-    begins = tuple(_turn(points, axis, v[shown], wanted, old) for axis, v, old in zip(axes, given, turns, strict=True))
-    if wanted is not None and (begins == (None, None) or not np.isfinite(wanted)):
+    turns = tuple(
+        _turn(points, axis, v[shown], wanted, None if before is None else (before.begins[k],))
+        for k, (axis, v) in enumerate(zip(axes, given, strict=True))
+    )
+    if wanted is not None and (turns == (None, None) or not np.isfinite(wanted)):
         raise ParameterError(
             f"window must be where the turn of an angle that is drawn begins; got {wanted!r}. Leave it out."
         )
-    values = [v if begin is None else _in_turn(v, begin) for v, begin in zip(given, begins, strict=True)]
-    labels = [_axis_label(axis, begin) for axis, begin in zip(axes, begins, strict=True)]
-    return _Plane(np.stack(values), labels, begins, shown)
+    values = [v if turn is None else _in_turn(v, turn.begin, turn.length) for v, turn in zip(given, turns, strict=True)]
+    labels = [_axis_label(axis, turn) for axis, turn in zip(axes, turns, strict=True)]
+    return _Plane(np.stack(values), labels, turns, shown)
 
 
 def _turn(
-    points: SectionLike, axis: str | ArrayLike, values: FloatArray, wanted: float | None, old: float | None
-) -> float | None:
-    """Where the turn begins in which an angle is drawn; None for what is no angle, or a component that stays in it."""
+    points: SectionLike,
+    axis: str | ArrayLike,
+    values: FloatArray,
+    wanted: float | None,
+    drawn: tuple[float | None] | None,
+) -> _Turn | None:
+    """The turn in which an angle is drawn; None for what is no angle, or a component or formula that stays in one.
+
+    `drawn` is where that of the axes begins, the middle one where it says None; None without axes.
+    """
     if not isinstance(axis, str):
         return None
+    length, text = 2 * np.pi, r"2\pi"
     if not _is_angle_formula(axis):
-        stays = wanted is None and np.array_equal(_in_turn(values, -np.pi if old is None else old), values)
-        if stays or not _is_angular_component(points, axis):
+        declared = _declared_period(points, axis)
+        length, text = (length, text) if declared is None else declared
+        begin = -length / 2 if drawn is None or drawn[0] is None else drawn[0]
+        stays = wanted is None and np.array_equal(_in_turn(values, begin, length), values)
+        if stays or (declared is None and not _is_angular_component(points, axis)):
             return None
+    old = None if drawn is None else -length / 2 if drawn[0] is None else drawn[0]
     if wanted is not None and old not in {None, wanted}:
         raise ParameterError(
             f"window must be {old!r}, where the turn of these axes begins; got {wanted!r}. Leave it out."
         )
-    return wanted if wanted is not None else _best_turn(values) if old is None else old
+    begin = old if wanted is None else wanted
+    if begin is None:
+        unit = length / (2 * np.pi)
+        begin = unit * _best_turn(values / unit)
+    return _Turn(begin, length, text)
+
+
+def _declared_period(points: SectionLike, axis: str) -> tuple[float, str] | None:
+    """The number modulo which a formula in angles and periodic time is given; None where there is none."""
+    system: Any = getattr(points, "system", None)
+    if not _has_states_of_a_system(points) or not getattr(system, "periods", None):
+        return None
+    from sympy import latex
+
+    try:
+        period: Any = modulus_of_surface(system, axis)
+    except ParameterError:  # no function on the circles: it is drawn as it is
+        return None
+    if period is None or period.free_symbols:
+        return None
+    return float(period), latex(period).replace(r" \pi", r"\pi")
 
 
 def _is_angular_component(points: SectionLike, axis: str) -> bool:
@@ -353,17 +399,17 @@ def _best_turn(angles: FloatArray) -> float:
 
 
 @np.errstate(invalid="ignore")
-def _in_turn(angles: FloatArray, begin: float) -> FloatArray:
+def _in_turn(angles: FloatArray, begin: float, length: float) -> FloatArray:
     """Angles within the turn that begins there; those that are there stay as they are."""
-    inside = (begin <= angles) & (angles <= begin + 2 * np.pi)
-    return np.where(inside, angles, begin + np.mod(angles - begin, 2 * np.pi))
+    inside = (begin <= angles) & (angles <= begin + length)
+    return np.where(inside, angles, begin + np.mod(angles - begin, length))
 
 
 class _Shown(NamedTuple):
-    """What two axes show: functions by name, "" for values; where the turns of angles begin; of which sheets one is."""
+    """What two axes show: functions by name, "" for values; where turns begin, or None; of which sheets one is."""
 
     names: tuple[str, str]
-    turns: tuple[float | None, ...]
+    begins: tuple[float | None, ...]
     sheets: str
 
     def axes_for(
@@ -465,7 +511,7 @@ def _fill(
         ax.margins(0.04)
         _widen(ax)
     for axis, turn in zip((parts[0][0].xaxis, parts[0][0].yaxis), plane.turns, strict=True):
-        if mark and turn is not None:  # axes side by side share their ticks
+        if mark and turn is not None and r"\pi" in turn.text:  # axes side by side share their ticks
             _mark_parts_of_pi(axis)
 
 
@@ -638,8 +684,9 @@ def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]
     return np.array([as_count(k, "trajectories", most=n - 1) for k in given], dtype=np.int64)
 
 
-def _axis_label(coordinate: str | ArrayLike, turn: float | None) -> str:
-    """The coordinate as mathematical text; of a component that was brought into one turn the label says so."""
+def _axis_label(coordinate: str | ArrayLike, turn: _Turn | None) -> str:
+    """The coordinate as mathematical text; of what was brought into one turn the label says so."""
     if not isinstance(coordinate, str):
         return ""
-    return formula(coordinate) + ("" if turn is None or _is_angle_formula(coordinate) else r" (mod $2\pi$)")
+    is_cut = turn is not None and not _is_angle_formula(coordinate)
+    return formula(coordinate) + (f" (mod ${turn.text}$)" if is_cut else "")

@@ -11,8 +11,11 @@ import sympy as sp
 from random_bases import bases
 
 import liepoisson as lp
+from liepoisson.algebra.real_fields import real_field
 from liepoisson.algebras import bianchi, derivations_of, identify, low_dimensional, low_dimensional_casimirs
 from liepoisson.errors import ParameterError
+from liepoisson.inputs import deadline
+from liepoisson.structure.lie import identification
 from liepoisson.structure.lie.low_dimensional import NAMES
 
 half, third, root = Fraction(1, 2), Fraction(1, 3), sp.sqrt(2) / 2
@@ -217,6 +220,24 @@ def test_what_is_undecided_says_why():
     with pytest.raises(ParameterError, match="undecided"):
         _ = found.algebra
     assert identify(low_dimensional("A4,9", b=half)).algebra.brackets == low_dimensional("A4,9", b=half).brackets
+
+
+def test_what_the_time_ended_is_undecided_and_says_what_was_under_way(monkeypatch):
+    """The time passes while the number field is made."""
+    is_late = []
+
+    def slow(values):
+        is_late.append(True)
+        return real_field(values)
+
+    basis = sp.Matrix([[1, 2, 0], [0, 1, 3], [1, 1, 1]])
+    algebra = acting((basis * sp.diag(sp.sqrt(2), 1, 3) * basis.inv()).tolist())
+    assert identify(algebra).name == "A4,5"
+    monkeypatch.setattr(identification, "real_field", slow)
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: 100.0 if is_late else 0.0)
+    found = identify(algebra, time_limit=60)
+    under_way = "the search for eigenvalues of ad x on the nilradical over Q(sqrt(2)) was under way"
+    assert (found.name, found.reason) == (None, f"the time limit has passed: {under_way}. Give a larger time_limit")
 
 
 def test_a_parameter_may_stay_a_name():

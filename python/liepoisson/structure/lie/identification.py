@@ -23,8 +23,10 @@ from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.algebra.matrices import characteristic_polynomial
 from liepoisson.algebra.real_fields import RealField, RealRationals, real_field
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, TimeLimitError
+from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
+from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.structure.lie import levi
 from liepoisson.structure.lie.lie_structure import LieStructure
@@ -85,7 +87,7 @@ class Identification:
 
 
 @explains_its_arguments
-def identify(algebra: LieAlgebra) -> Identification:
+def identify(algebra: LieAlgebra, *, time_limit: float = SEARCH_LIMIT) -> Identification:
     r"""The name of an algebra in the table of `low_dimensional`: two are isomorphic if and only if they have the same.
 
     Example:
@@ -95,9 +97,11 @@ def identify(algebra: LieAlgebra) -> Identification:
 
     Args:
         algebra: Up to four dimensions, without symbols.
+        time_limit: Seconds; one operation of SymPy in a field of high degree may take some more.
 
     Returns:
-        The name and the parameters, exact; undecided where symbols are left or where SymPy has no exact field.
+        The name and the parameters, exact; undecided where symbols are left, where SymPy has no exact field, and where
+        the time has passed, with what was under way.
 
     Raises:
         ParameterError: it is not a Lie algebra, or has more than four dimensions.
@@ -112,8 +116,9 @@ def identify(algebra: LieAlgebra) -> Identification:
         shown = ", ".join(sorted(algebra.symbols))
         return Identification(None, reason=f"the name depends on {shown}; substitute values")
     try:
-        name, parameters = _identified(algebra)
-    except ParameterError as error:  # SymPy has no exact field, or cannot count roots in it
+        with as_deadline(time_limit).running():
+            name, parameters = _identified(algebra)
+    except (ParameterError, TimeLimitError) as error:  # SymPy has no exact field, or cannot count roots in it
         return Identification(None, reason=str(error))
     return Identification(name, {key: _written(value) for key, value in parameters.items()})
 
@@ -126,6 +131,7 @@ _Answer = tuple[str, dict[str, Any]]
 
 def _identified(algebra: LieAlgebra) -> _Answer:
     n = algebra.dimension
+    checkpoint("the proof that the algebra is solvable or not")
     if algebra.is_abelian:
         return ("A1" if n == 1 else f"{n}A1"), {}
     if not algebra.is_solvable:
@@ -140,6 +146,7 @@ def _identified(algebra: LieAlgebra) -> _Answer:
 
 def _solvable(g: LieStructure) -> _Answer:
     """A solvable algebra of dimension three or four that is not nilpotent."""
+    checkpoint("the search for the nilradical")
     N = levi.nilradical(g)
     matrices, field = _matrices(g, N)
     blocks = [_Block.of(m, field) for m in matrices] if len(N) == 2 else []
@@ -202,6 +209,7 @@ class _Block:
         """The positive square root of the discriminant, or of its opposite."""
         from sympy import sqrt
 
+        checkpoint(f"the square root of a discriminant over {self.field.name}")
         disc = self.trace * self.trace - self.field.number(4) * self.determinant
         factor, radicand = self.field.extract_square(disc if self.sign > 0 else -disc)
         factor = factor if self.field.sign(factor) > 0 else -factor
@@ -239,6 +247,7 @@ def _over_heisenberg(block: _Block) -> _Answer:
 
 def _spatial(m: list[list[Any]], field: RealField) -> _Answer:
     """Dimension four with the nilradical R^3, on which x acts by a matrix that is not nilpotent."""
+    checkpoint(f"the search for eigenvalues of ad x on the nilradical over {field.name}")
     polynomial = characteristic_polynomial(m, field.number)[::-1]
     factors = field.factors(polynomial)
     linear = [-f[1] for f in factors if len(f) == 2]
@@ -322,6 +331,7 @@ def _of_three(values: list[Any]) -> _Answer:
 def _ratio(x: Any, y: Any) -> Any:
     from sympy import radsimp
 
+    checkpoint("the ratio of two eigenvalues")
     quotient: Any = x / y
     return radsimp(quotient)
 
@@ -338,6 +348,7 @@ def _matrices(g: LieStructure, N: list[Vector]) -> tuple[list[list[list[Any]]], 
     """The matrices of ad e_k on the nilradical for the basis elements that complete it."""
     outside = [k for k in range(g.dimension) if k not in {min(v) for v in N}]
     exact = [_matrix(g, {k: g.field.one}, N, []) for k in outside]
+    checkpoint("the search for the number field of the entries of ad x on the nilradical")
     field = real_field(c for m in exact for row in m for c in row)
     return [[[field.read(c) for c in row] for row in m] for m in exact], field
 
