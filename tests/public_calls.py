@@ -372,6 +372,7 @@ def _of_noise(add, run):
     names = ("starts:S", None, ROUND.component_names)
     add("stochastic.noisy_exponents", *names, **until, n_blocks=8)
     add("stochastic.first_passages", *names, **until, function="l3")
+    add("stochastic.NoisySystem", "noises:o", system=ROUND, noises=["l1", "l2/2"], inverse_temperature=0.5)
     counted = {"edges": [-1.0, 0.0, 1.5], "transient": 1, "n_samples": 16}
     add("stochastic.stationary_law", "starts:S edges:o", None, ROUND.component_names, **until, function="l3", **counted)
 

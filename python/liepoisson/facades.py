@@ -28,6 +28,7 @@ FACADES = {
     "System.text": "model.system_text.system_text",
     "VectorField.file_text": "model.system_text.vector_field_text",
     "_Reader.damped": "damping.damped_file.damped_file",
+    "_Reader.noisy": "noise.noisy_system.NoisyFile",
 }
 """The function of each such method, in its module within the package."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
@@ -32,12 +33,14 @@ from liepoisson.cli.runs import (
     check_end_time,
     check_limits,
     check_that_some_finished,
+    noise_lines,
     running,
     unit_of_time,
     write_and_print,
 )
 from liepoisson.cli.starts import find_starts
-from liepoisson.cli.systems import read_numeric_equations
+from liepoisson.cli.systems import read_numeric_equations, read_shaken_equations
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,6 +54,7 @@ if TYPE_CHECKING:
     from liepoisson.indicators.verdict import Verdict
     from liepoisson.model.system import System
     from liepoisson.model.vector_field import VectorField
+    from liepoisson.noise.noisy_exponents import NoisyExponents
     from liepoisson.numeric.method.method import Method
     from liepoisson.numeric.methods import Auto
 
@@ -84,24 +88,34 @@ def lyapunov(
     of --start.  Finite-time exponents: their mean with its standard error over the starts, quantiles, and how the runs
     ended.
 
-    The exit code is 1 where no run finished.
+    A file with a table [noise] is followed on paths that --seed draws.  The exit code is 1 where no run finished.
     """
     check_limits(seed=seed, **asdict(limits))
-    chosen = read_numeric_equations(system, common.values)
+    chosen: Any = read_shaken_equations(system, common.values)
+    noise: dict[str, Any] | None = getattr(chosen, "noise", None)
+    how = how.of_system(chosen)
+    if noise is not None and spectrum:
+        raise ParameterError("--spectrum has no exponents with noise: only the largest is computed. Leave it out.")
     data, stem = result_files(files, chosen, common.values, "spectrum" if spectrum else "exponents")
     begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
+    chosen = chosen if noise is None else chosen.system
     drawn, unit, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=_TIME, precision=precision)
     if lines := drawn.lines(chosen):
         announce("\n".join(lines), (data, stem))
+    find = _computed(spectrum, noise)
     with running("integrating", len(drawn.states) * t_end, quiet=common.quiet) as listen:
         options: dict[str, Any] = {"seed": seed, "method": method, "progress": listen, **asdict(limits)}
-        result = _computed(spectrum)(chosen, drawn.states, t_end=t_end, **options)
+        result = find(chosen, drawn.states, t_end=t_end, **options)
     write_and_print(
         result,
         data,
         stem if np.any(result.outcome == "finished") else None,
         draw=lambda: _drawn(result),
-        lines=lambda: summary(result, drawn.words, unit, mixed=drawn.begin is None and hasattr(chosen, "bracket")),
+        lines=lambda: (
+            noisy_summary(result, drawn.words)
+            if noise
+            else summary(result, drawn.words, unit, mixed=drawn.begin is None and hasattr(chosen, "bracket"))
+        ),
     )
     check_that_some_finished(result.outcome)
 
@@ -124,8 +138,12 @@ def _planned(
     return drawn, unit, how.named(unit, **options), times * unit if t_end is None else t_end
 
 
-def _computed(spectrum: bool) -> Callable[..., FiniteTimeExponents | Spectrum]:
+def _computed(spectrum: bool, noise: dict[str, Any] | None) -> Callable[..., Any]:
     """What is computed."""
+    if noise is not None:
+        from liepoisson.noise.noisy_exponents import noisy_exponents
+
+        return partial(noisy_exponents, **noise)
     if spectrum:
         from liepoisson.indicators.spectrum import lyapunov_spectrum
 
@@ -135,10 +153,14 @@ def _computed(spectrum: bool) -> Callable[..., FiniteTimeExponents | Spectrum]:
     return finite_time_exponents
 
 
-def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
-    """The mean exponent against time, or the spectrum of the first orbit that finished."""
+def _drawn(result: FiniteTimeExponents | Spectrum | NoisyExponents) -> Figure:
+    """The mean exponent against time, or the spectrum of the first orbit that finished; with noise the exponents."""
     from liepoisson.indicators.spectrum import Spectrum
 
+    if hasattr(result, "noises"):
+        from liepoisson.plot.results import draw as draw_result
+
+        return draw_result(result)
     if isinstance(result, Spectrum):
         from liepoisson.plot.indicators import spectrum as draw
 
@@ -171,6 +193,26 @@ def summary(result: FiniteTimeExponents | Spectrum, words: str, unit: float, *, 
         if isinstance(result, Spectrum)
         else _growth_lines(result, unit, mixed=mixed)
     )
+
+
+def noisy_summary(result: NoisyExponents, words: str) -> list[str]:
+    """What the command prints of runs with noise: the exponent of each up to some, and their mean."""
+    lines = [
+        f"{result.system.name}: {words} to t = {result.t_end:g}",
+        f"method   {result.method}",
+        *noise_lines(result),
+        "outcomes: " + ", ".join(f"{name} {np.sum(result.outcome == name)}" for name in np.unique(result.outcome)),
+    ]
+    finished = np.flatnonzero(result.outcome == "finished")
+    if not len(finished):
+        return [*lines, "no run finished: there is no exponent to report"]
+    if len(finished) == 1:
+        one = finished[0]
+        return [
+            *lines,
+            f"largest exponent {result.exponent[one]:.6f}, standard error over time {result.error[one]:.2g}",
+        ]
+    return [*lines, f"largest exponent {result.mean}, error from the spread of {_runs(len(finished))}"]
 
 
 def _spectrum_lines(spectrum: Spectrum, *, mixed: bool) -> list[str]:

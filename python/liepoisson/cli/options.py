@@ -67,6 +67,9 @@ ReportFormatOption: TypeAlias = Annotated[ReportFormat, typer.Option("--format",
 QuietOption: TypeAlias = Annotated[bool, typer.Option("--quiet", help=_HELP["quiet"])]
 SeedOption: TypeAlias = Annotated[int, typer.Option(help=_HELP["seed"])]
 SeedOfStartOption: TypeAlias = Annotated[int | None, typer.Option(help="Seed of the random start.  [default: 0]")]
+SeedOfStartAndNoiseOption: TypeAlias = Annotated[
+    int | None, typer.Option(help="Seed of the random start, and of the path of noise.  [default: 0]")
+]
 LevelOption: TypeAlias = Annotated[_Texts, typer.Option(metavar="EQUATION", help=_HELP["on"])]
 LeafOption: TypeAlias = Annotated[_Texts, typer.Option(metavar="C1=VALUE,...", help=_HELP["leaf"])]
 OutOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["out"])]

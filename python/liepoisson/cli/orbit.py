@@ -13,7 +13,7 @@ from liepoisson.cli.options import (
     Format,
     FormatOption,
     LeafOption,
-    SeedOfStartOption,
+    SeedOfStartAndNoiseOption,
     SeedOption,
     SystemArgument,
     TableOption,
@@ -27,12 +27,13 @@ from liepoisson.cli.runs import (
     TimeLimitOption,
     check_end_time,
     check_limits,
+    noise_lines,
     running,
     unit_of_time,
     write_and_print,
 )
 from liepoisson.cli.starts import assignments, find_start, seed_of_start, start_lines, start_of
-from liepoisson.cli.systems import read_numeric_equations, read_numeric_system
+from liepoisson.cli.systems import read_numeric_system, read_shaken_equations
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
 
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from liepoisson.equilibrium.equilibrium_list import Equilibria
     from liepoisson.model.system import System
     from liepoisson.model.vector_field import VectorField
+    from liepoisson.noise.noisy_orbits import NoisyOrbits
     from liepoisson.numeric.integrate import Orbit
 
 _MOST_POINTS = 10_000_000
@@ -64,7 +66,7 @@ def orbit(
     system: SystemArgument,
     where: Where,
     *,
-    seed: SeedOfStartOption = None,
+    seed: SeedOfStartAndNoiseOption = None,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
     how: HowToRoundOff,
@@ -75,18 +77,19 @@ def orbit(
     """Print where an orbit begins, how it ended and how well its invariants are kept.
 
     Without --start, a random state is taken; --leaf and --energy move it onto the symplectic leaf with these values
-    of the Casimirs and to this energy.
+    of the Casimirs and to this energy.  A file with a table [noise] is followed on the path that --seed draws.
     """
-    from liepoisson.numeric.integrate import integrate
-
-    chosen = read_numeric_equations(system, common.values)
-    check_end_time(t_end, forwards=False)
+    chosen: Any = read_shaken_equations(system, common.values)
+    noise: dict[str, Any] | None = getattr(chosen, "noise", None)
+    how = how.of_system(chosen)
+    check_end_time(t_end, forwards=noise is not None)
     if not 2 <= points <= _MOST_POINTS:
         raise ParameterError(f"--points must be from 2 to {_MOST_POINTS}; got {points}. Try 2001.")
-    drawn = seed_of_start(where, seed)
+    drawn = seed_of_start(where, seed) if noise is None else seed or 0
     check_limits(seed=drawn, time_limit=time_limit)
     data, stem = result_files(files, chosen, common.values, "orbit")
     how.named()  # refused before anything is computed
+    chosen = chosen if noise is None else chosen.system
     own = getattr(chosen, "undamped", chosen)
     begin = start_of(own, where, drawn)
     unit = unit_of_time(chosen, begin.state)
@@ -95,17 +98,30 @@ def orbit(
     announce("\n".join([head, *start_lines(own, begin)]), (data, stem))
     with running("integrating", abs(t_end), quiet=common.quiet) as listen:
         times = np.linspace(0.0, t_end, points)
-        run = integrate(chosen, begin.state, times=times, method=method, time_limit=time_limit, progress=listen)
+        options: dict[str, Any] = {"times": times, "method": method, "time_limit": time_limit, "progress": listen}
+        run = _followed(chosen, begin.state, options, noise, drawn)
     write_and_print(run, data, stem, draw=lambda: _drawn(run), lines=lambda: run_lines(chosen, run))
 
 
+def _followed(system: Any, state: Any, options: dict[str, Any], noise: dict[str, Any] | None, seed: int) -> Any:
+    """The orbit, with noise on the path of this seed."""
+    if noise is None:
+        from liepoisson.numeric.integrate import integrate
+
+        return integrate(system, state, **options)
+    from liepoisson.noise.noisy_orbits import noisy_orbits
+
+    return noisy_orbits(system, state, **noise, seed=seed, **options)
+
+
 @np.errstate(all="ignore")
-def run_lines(system: System | VectorField, run: Orbit) -> list[str]:
+def run_lines(system: System | VectorField, run: Orbit | NoisyOrbits) -> list[str]:
     """What the command prints about the run: the method, the outcome, the largest change of each invariant."""
     from liepoisson.structure.casimirs import shortage
 
     lines = [
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
+        *noise_lines(run),
         f"outcome  {run.outcome[0]} at t = {run.end_time[0]:g}, {run.n_steps[0]} steps",
     ]
     longest, step = float(np.abs(np.diff(run.time)).max()), getattr(run.method, "step", None)
@@ -117,7 +133,7 @@ def run_lines(system: System | VectorField, run: Orbit) -> list[str]:
     lines.append(f"drift    largest change along {n} points" if drift else "drift    no integral is known")
     width = max(map(len, drift), default=0)
     lines += [f"  {name:<{width}}  {change[0]:.0e}" for name, change in drift.items()]
-    for name, values in run.monotone.items():
+    for name, values in getattr(run, "monotone", {}).items():  # noise has none
         finite = values[0][np.isfinite(values[0])]
         verb = "falls" if finite[-1] < finite[0] else "rises"
         back = f"against it {run.reversals[name][0]:.0e}"
@@ -126,7 +142,7 @@ def run_lines(system: System | VectorField, run: Orbit) -> list[str]:
     return lines + ([f"  {missing}"] if missing else [])
 
 
-def _drawn(run: Orbit) -> Figure:
+def _drawn(run: Orbit | NoisyOrbits) -> Figure:
     from liepoisson.plot.orbits import orbit as draw
 
     return draw(run)

@@ -6,8 +6,8 @@ import math
 import sys
 from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import MISSING, dataclass, fields
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from dataclasses import MISSING, dataclass, fields, replace
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 import typer
 
@@ -64,7 +64,7 @@ def _precisions_help() -> str:
 
 
 _HELP = {
-    "method": _words(list(CHOICES), "or") + ".",
+    "method": _words(list(CHOICES), "or") + ".  [default: taylor; with noise splitting]",
     "tol": f"Tolerance of {_words(_with('tol'), 'and')}.",
     "step": "Step of the methods with equal steps.  [default: a tenth of a natural time of the orbits]",
     "order": "Order of the method, where it has several.",
@@ -90,7 +90,7 @@ TimeLimitOption: TypeAlias = Annotated[float, typer.Option(help=_HELP["time limi
 class How:
     """The method of integration by name, with its options; None stands for an option that was not given."""
 
-    method: Annotated[str, typer.Option(help=_HELP["method"])] = "taylor"
+    method: Annotated[str | None, typer.Option(help=_HELP["method"])] = None
     tol: Annotated[float | None, typer.Option(help=f"{_HELP['tol']}  [default: 1e-13, 1e-8]")] = None
     step: Annotated[float | None, typer.Option(help=_HELP["step"])] = None
     order: Annotated[int | None, typer.Option(help=_HELP["order"])] = None
@@ -98,7 +98,11 @@ class How:
     def named(self, unit: float = 1.0, **more: Any) -> Method | Auto:
         """The method, as `named_method` makes it."""
         options = {"tol": self.tol, "step": self.step, "order": self.order} | more
-        return named_method(self.method, unit=unit, **options)
+        return named_method(self.method or "taylor", unit=unit, **options)
+
+    def of_system(self, system: Any) -> Self:
+        """The same; where none was named, with the one method whose steps noise can enter, if there is noise."""
+        return replace(self, method="splitting") if self.method is None and hasattr(system, "noise") else self
 
 
 @dataclass(frozen=True)
@@ -109,7 +113,7 @@ class HowToRoundOff(How):
 
     def named(self, unit: float = 1.0, **more: Any) -> Method | Auto:
         """The method, as `named_method` makes it."""
-        is_exact = self.tol is None and self.method == "taylor"
+        is_exact = self.tol is None and self.method in (None, "taylor")
         return super().named(unit, **({"tol": Taylor().tol} if is_exact else {}), **more)
 
 
@@ -197,6 +201,14 @@ def write_and_print(
         print("".join(f"{line}\n" for line in about()), end="")
     for path in written:
         print(f"wrote    {path}")
+
+
+def noise_lines(run: Any) -> list[str]:
+    """What shakes a run, if something does, and the seed of its paths."""
+    if not hasattr(run, "noises"):
+        return []
+    damped = f"; inverse temperature {run.inverse_temperature:g}" if run.inverse_temperature else ""
+    return [f"noise    {', '.join(run.noises)}{damped}; seed {run.seed}"]
 
 
 def check_that_some_finished(outcome: NDArray[Any]) -> None:

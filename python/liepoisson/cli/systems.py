@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.model.system_file import EquationsFile, SystemFile
     from liepoisson.model.vector_field import VectorField
+    from liepoisson.noise.noisy_system import NoisySystem
 
 F = TypeVar("F", bound="EquationsFile")
 _MOST_SHOWN = 60
@@ -35,6 +36,11 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
 def read_numeric_equations(argument: str, settings: Sequence[str]) -> System | VectorField:
     """The same, or the vector field of a file with equations."""
     return _with_numbers(_read_any_file(argument), settings).system()
+
+
+def read_shaken_equations(argument: str, settings: Sequence[str]) -> System | VectorField | NoisySystem:
+    """The same, or a system with noise, of a command that follows noise."""
+    return _with_numbers(_read_any_file(argument, noise=True), settings).system()
 
 
 def read_equations(argument: str, settings: Sequence[str] = (), free: Sequence[str] = ()) -> System | VectorField:
@@ -83,12 +89,15 @@ def read_file(argument: str) -> SystemFile:
     return read_system_file(argument) if _is_path(argument) else entry(argument)
 
 
-def _read_any_file(argument: str) -> EquationsFile:
-    """The same, or the file of a vector field."""
+def _read_any_file(argument: str, *, noise: bool = False) -> EquationsFile:
+    """The same, or the file of a vector field, or where `noise` is wanted of a system with noise."""
     from liepoisson.formula.toml_text import read_toml
-    from liepoisson.model.system_file_reader import read_equations
+    from liepoisson.model.system_file_reader import read_equations, read_noisy_tables
 
-    return read_equations(read_toml(argument)) if _is_path(argument) else read_file(argument)
+    if not _is_path(argument):
+        return read_file(argument)
+    toml = read_toml(argument)
+    return read_noisy_tables(toml) if noise and "noise" in toml.tables else read_equations(toml)
 
 
 def with_settings(file: F, settings: Sequence[str]) -> F:

@@ -14,7 +14,7 @@ from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.damping.damped_system import DampedSystem, Damping
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError
 from liepoisson.formula.parameters import Value, read_parameter
-from liepoisson.formula.scope import Scope, read_declaration
+from liepoisson.formula.scope import Scope
 from liepoisson.formula.toml_text import TomlText, parse_toml
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.model.hamiltonian import is_expression, scope_of
@@ -60,13 +60,7 @@ class DampedFile(EquationsFile):
 
     def _own(self) -> SystemFile:
         """The system that is damped, with the values of this file."""
-        own = {*self.undamped.parameters, *(read_declaration(text)[0] for text in self.undamped.symbols)}
-        return replace(
-            self.undamped,
-            parameters={name: value for name, value in self.parameters.items() if name in own},
-            symbols=tuple(text for text in self.symbols if read_declaration(text)[0] in own),
-            integrals=self.integrals,
-        )
+        return replace(self.undamped.with_values(self.parameters, self.symbols), integrals=self.integrals)
 
     def system(self) -> DampedSystem:
         """The damped system, ready to be integrated.

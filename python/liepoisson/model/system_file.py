@@ -58,6 +58,12 @@ Damping that keeps the geometry is a further table, and the file then describes 
     metric = [1, 1, 1, 0, 0, 0]            # a diagonal or a matrix, or "killing"; the identity if left out
     entropy = "C1"                         # of a metriplectic flow, with metric, or forms = [..., ...], or matrix = ...
 
+Noise that stays on the leaf is a further table, too, and the file then describes a noisy system:
+
+    [noise]
+    noises = ["s*l1", "s*l2"]              # noise Hamiltonians; their parameters are below [parameters], too
+    inverse_temperature = 2                # a number or a formula of parameters; no damping if left out
+
 A plain vector field has its equations in the place of bracket and Hamiltonian:
 
     name = "Lorenz"                        # and angles = [...] here, if a coordinate is one
@@ -75,7 +81,7 @@ The formulas are those of `liepoisson.formula.expression`.  No text of a file is
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -288,6 +294,15 @@ class SystemFile(EquationsFile):
                 found["integrals", name, "on"] = integral.vanishing
         found.update({("quadratures", name): rate for name, rate in self.quadratures.items()})
         return found
+
+    def with_values(self, parameters: Mapping[str, Value], symbols: Sequence[str]) -> Self:
+        """The file with those of these values and symbols that are its own, as of a table that has further ones."""
+        own = {*self.parameters, *(read_declaration(text)[0] for text in self.symbols)}
+        return replace(
+            self,
+            parameters={name: value for name, value in parameters.items() if name in own},
+            symbols=tuple(text for text in symbols if read_declaration(text)[0] in own),
+        )
 
     def with_constant_integrals(self) -> Self:
         """The file without those of its integrals that are not found constant, as with other values of parameters.

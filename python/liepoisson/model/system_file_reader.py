@@ -37,9 +37,12 @@ _KEYS: dict[str, tuple[str, ...]] = {
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
         "damping": "kind rate entropy metric forms matrix",
+        "noise": "noises inverse_temperature",
         "vector field": "name source description angles equations parameters integrals",
     }.items()
 } | {"bracket": BRACKET_KEYS}
+
+_NO_NOISE = {"noise": "Noise moves a state along the leaves of a bracket, and a vector field has none: remove it."}
 
 
 @explains_its_arguments
@@ -98,6 +101,15 @@ def read_tables(toml: TomlText) -> SystemFile:
     return _Reader(toml).file()
 
 
+def read_noisy_tables(toml: TomlText) -> Any:
+    """What the tables of a file say that describes a system with noise.
+
+    Raises:
+        SystemFileError: they describe none; the message names the key, and the line where it can be found.
+    """
+    return _Reader(toml).noisy()
+
+
 def read_equations(toml: TomlText) -> EquationsFile:
     """What the tables of a file say, whether it describes a system, a damped one or a vector field.
 
@@ -113,6 +125,7 @@ class _Reader(BracketReader):
     """Turns the tables of a file into its meaning; every method says which key is wrong."""
 
     def file(self) -> SystemFile:
+        self.refuse_noise()
         if "damping" in self.toml.tables:
             raise self.toml.error(
                 ("damping",),
@@ -125,6 +138,7 @@ class _Reader(BracketReader):
 
     def damped(self) -> EquationsFile:
         """A system file with a table [damping], in which parameters may occur, too."""
+        self.refuse_noise()
         table = self.table(("damping",), self.toml.tables["damping"])
         self.check_keys(("damping",), table, _KEYS["damping"])
         kinds = ("double bracket", "metriplectic")
@@ -136,25 +150,73 @@ class _Reader(BracketReader):
         if table["kind"] == kinds[1] and "entropy" not in table:
             raise self.toml.error(("damping",), 'wanted the key entropy. Write for example entropy = "C1".')
         file, unused = self.undamped()
+        damping: dict[str, Any] = {key: self.entries(("damping", key), value) for key, value in table.items()}
+        words = [
+            key
+            for key, value in damping.items()
+            if key == "kind" or value == "killing" or (key == "entropy" and RESERVED_NAME.fullmatch(str(value)))
+        ]
+        formulas = {("damping", key): _texts(value) for key, value in damping.items() if key not in words}
+        own = self.own_part(file, unused, formulas)
+        return function_of("_Reader.damped")(own, damping, file.parameters, file.symbols)
+
+    def noisy(self) -> EquationsFile:
+        """A system file with a table [noise], in which parameters may occur, too."""
+        tables = self.toml.tables
+        if "noise" not in tables:
+            raise self.toml.error(
+                (),
+                "wanted the table [noise]; got a file without noise, which lp.read_system reads. Write for example "
+                'noises = ["l1/2"] below [noise].',
+            )
+        if "damping" in tables:
+            message = "noise has its own damping, by inverse_temperature. Remove the table."
+            raise self.toml.error(("damping",), message)
+        table = self.table(("noise",), tables["noise"])
+        self.check_keys(("noise",), table, _KEYS["noise"])
+        if "noises" not in table:
+            raise self.toml.error(("noise",), 'wanted the key noises. Write for example noises = ["l1/2"].')
+        noises, keys = table["noises"], ("noise", "noises")
+        texts = tuple(self.texts(keys, noises)) if isinstance(noises, list) else (self.text(keys, noises),)
+        if not texts:
+            raise self.toml.error(keys, 'wanted at least one function. Write for example ["l1/2"].')
+        given = self.entries(keys := ("noise", "inverse_temperature"), table.get("inverse_temperature", 0))
+        if isinstance(given, tuple):
+            raise self.toml.error(keys, "wanted one number or formula; got a list. Correct it.")
+        file, unused = self.undamped()
+        formulas: dict[tuple[str | int, ...], list[str]] = {("noise", "noises", k): [t] for k, t in enumerate(texts)}
+        own = self.own_part(file, unused, formulas | {keys: _texts(given)})
+        return function_of("_Reader.noisy")(
+            file.name, own, texts, given, file.parameters, file.symbols, file.integrals, file.path, file.toml
+        )
+
+    def refuse_noise(self) -> None:
+        """Refuses a table [noise]."""
+        if "noise" in self.toml.tables:
+            raise self.toml.error(
+                ("noise",),
+                "wanted a system without noise. lp.stochastic.read_noisy_system reads one with noise, and so do the "
+                "commands orbit and lyapunov; all others need equations of motion, and a path of noise has none "
+                "(docs/noise.md). Remove the table for the system without noise.",
+            )
+
+    def own_part(self, file: SystemFile, unused: Sequence[str], formulas: Mapping[Any, Sequence[str]]) -> SystemFile:
+        """The file without parameters that occur in these formulas of a further table alone; names are checked."""
         scope = self.guarded(("parameters",), lambda: file.scope)
         used = set[str]()
-        damping: dict[str, Any] = {key: self.entries(("damping", key), value) for key, value in table.items()}
-        for key, value in damping.items():
-            is_word = key == "kind" or value == "killing" or (key == "entropy" and RESERVED_NAME.fullmatch(str(value)))
-            for text in () if is_word else _texts(value):
-                names = self.guarded(("damping", key), lambda text=text: check_names(parse(text), text, scope))
-                used |= names
+        for keys, texts in formulas.items():
+            for text in texts:
+                used |= self.guarded(keys, lambda text=text: check_names(parse(text), text, scope))
         self.refuse_unused(file, [name for name in unused if name not in used])
-        own = replace(
+        return replace(
             file,
             parameters={name: value for name, value in file.parameters.items() if name not in unused},
             symbols=tuple(text for text in file.symbols if read_declaration(text)[0] not in unused),
         )
-        return function_of("_Reader.damped")(own, damping, file.parameters, file.symbols)
 
     def undamped(self) -> tuple[SystemFile, list[str]]:
-        """The file apart from [damping], and the parameters that do not occur in it."""
-        tables = {name: table for name, table in self.toml.tables.items() if name != "damping"}
+        """The file apart from [damping] and [noise], and the parameters that do not occur in it."""
+        tables = {name: table for name, table in self.toml.tables.items() if name not in ("damping", "noise")}
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
         if "equations" in tables:
             raise self.toml.error(
@@ -192,7 +254,9 @@ class _Reader(BracketReader):
         from liepoisson.model.vector_field_file import VectorFieldFile
 
         tables = self.toml.tables
-        self.check_keys((), tables, _KEYS["vector field"], {"bracket": "A vector field has none: remove it."})
+        self.check_keys(
+            (), tables, _KEYS["vector field"], {"bracket": "A vector field has none: remove it.", **_NO_NOISE}
+        )
         given = self.table(("parameters",), tables.get("parameters", {}))
         read: dict[str, dict[str, str]] = {}
         for key in ("equations", "integrals"):

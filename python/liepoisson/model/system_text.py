@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.errors import LiePoissonError, SystemFileError
@@ -31,6 +31,15 @@ if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.extension import Extension
     from liepoisson.structure.lie_algebra import LieAlgebra
+
+
+class WrittenSystem(Protocol):
+    """What a layer above writes as a system file."""
+
+    def file_text(self) -> str:
+        """The text of the file."""
+        ...
+
 
 _LARGEST = 40
 """Dimension up to which an algebra without a name is written by its structure constants, all of them."""
@@ -138,7 +147,7 @@ def read_vector_field_text(text: str) -> VectorField:
 
 
 @explains_its_arguments
-def write_system(system: System | VectorField, path: str | Path) -> Path:
+def write_system(system: System | VectorField | WrittenSystem, path: str | Path) -> Path:
     """Writes a system file, whole or not at all; `read_system` gives the same system back.
 
     Example:
@@ -150,21 +159,21 @@ def write_system(system: System | VectorField, path: str | Path) -> Path:
         <System 'weakly twisted top' on so(3) ⊗ Leibniz(3, epsilon = 1/3)>
 
     Args:
-        system: The system, or the vector field.
+        system: The system, the vector field, or the system with noise.
         path: A name that ends in .toml.
 
     Raises:
         SystemFileError: as for `system_text`, or the name does not end in .toml.
         OutputError: the file cannot be written.
     """
-    if not isinstance(system, (System, VectorField)):  # pyright: ignore[reportUnnecessaryIsInstance]
+    if not isinstance(system, System) and not hasattr(type(system), "file_text"):
         raise SystemFileError(f"wanted a system such as Top.kovalevskaya(); got {shown(system)}")
     if not isinstance(path, (str, Path)):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise SystemFileError(f"wanted the name of a file; got {shown(path)}. Write for example top.toml.")
     path = Path(path)
     if path.suffix != ".toml":
         raise SystemFileError(f"wanted a name that ends in .toml; got {path}. Write for example top.toml.")
-    text = system.file_text() if isinstance(system, VectorField) else system_text(system)
+    text = system_text(system) if isinstance(system, System) else system.file_text()
     write_atomically(path, text.encode())
     return path
 

@@ -94,9 +94,9 @@ class Noise:
         if not has_bracket(system):
             raise not_a_whole_system(system)
         beta = as_positive(inverse_temperature, "inverse_temperature", "a number >= 0", example=1, zero=True)
-        given = _one_by_one(noises)
+        given = as_noises(noises)
         texts = tuple(noise if isinstance(noise, str) else str(system.expression(noise)) for noise in given)
-        pieces = tuple(_pieces(system, noise, text) for noise, text in zip(given, texts, strict=True))
+        pieces = tuple(pieces_of_noise(system, noise, text) for noise, text in zip(given, texts, strict=True))
         states = as_starts(system, starts, options.field(system).n_components)
         energy = system.pieces().pieces if beta else ()  # pyright: ignore[reportAttributeAccessIssue]
         first = as_first(options.first, len(states))
@@ -186,7 +186,8 @@ def as_increments(value: Any) -> int:
     return as_count(value, "increments", least=1, most=2**20)
 
 
-def _one_by_one(noises: Any) -> tuple[Any, ...]:
+def as_noises(noises: Any) -> tuple[Any, ...]:
+    """Noise Hamiltonians one by one, each a text or a function on phase space."""
     if isinstance(noises, Mapping):
         raise ParameterError(
             "noises: wanted functions on phase space, whose fields stay on the leaf; got values by name, as of a "
@@ -204,7 +205,8 @@ def _one_by_one(noises: Any) -> tuple[Any, ...]:
     return given
 
 
-def _pieces(system: Any, noise: Any, text: str) -> tuple[Piece, ...]:
+def pieces_of_noise(system: Any, noise: Any, text: str) -> tuple[Piece, ...]:
+    """The pieces of a noise Hamiltonian, which flow exactly; refused where there are none, under its text."""
     try:
         pieces = commuting_pieces_of(system.bracket, system.expression(noise))
     except UnsupportedFieldError as error:
