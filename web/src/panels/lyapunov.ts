@@ -5,6 +5,8 @@ import { OF_TOPS, type Charted, type Clock } from "../state/charted";
 import type { Palette } from "../style/palette";
 import { Plot } from "./plot";
 
+const LABEL = "Finite-time Lyapunov exponent";
+
 export class LyapunovPanel {
   readonly plot: Plot;
   private readonly head: HTMLElement;
@@ -12,7 +14,7 @@ export class LyapunovPanel {
   private results: Results | null = null;
 
   constructor(panel: HTMLElement, private readonly clock: Clock = OF_TOPS) {
-    this.plot = new Plot(panel, "Finite-time Lyapunov exponent");
+    this.plot = new Plot(panel, LABEL);
     this.head = panel.querySelector("p") as HTMLElement;
   }
 
@@ -97,6 +99,7 @@ export class LyapunovPanel {
     letter.textContent = "λ";
     const time = Math.round(exponent.times[last]).toLocaleString("en");
     this.head.replaceChildren(letter, " = ", value, ` at t = ${time}`);
+    this.plot.canvas.setAttribute("aria-label", `${LABEL}, ${value.textContent} at t = ${time}`);
     this.head.title = members ? `Band: 80 % of ${members} starts along this orbit; dashed: their median.` : "";
   }
 }
