@@ -86,7 +86,7 @@ export class SectionPanel {
     // a modulus leaves no room for the word, nor do a narrow page and large letters
     const [modulo, text] = lab.modulus ? [` mod ${lab.modulus}`, ""] : ["", count === 1 ? " crossing" : " crossings"];
     const words = Object.assign(document.createElement("span"), { className: "words", textContent: text });
-    this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${modulo}${sign} · `, bold, words);
+    this.head.replaceChildren(element("t"), scale, element(lab.surface), ` = 0${modulo}${sign} · `, bold, words);
     const way = ["fall through", "cross", "rise through"][lab.direction + 1];
     this.plot.canvas.setAttribute("aria-label", label(`${bold.textContent}${count === 1 ? " crossing" : " crossings"} that ${way} ${plain(lab.surface)} = 0${modulo}`));
     this.head.setAttribute("title", "Crossings that rise (↑), fall (↓), or both (↕); early ones violet, late ones yellow.");

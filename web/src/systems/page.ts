@@ -89,7 +89,8 @@ class SystemPage {
       system: system.name,
       now: () => this.state,
       set: (state) => this.set(state),
-      read: (address) => ({ ...read(system, `system=${system.id}&${address}`), theme: this.state.theme, playing: this.state.playing }),
+      // that of a tour may leave out the system, whose hash another version changes
+      read: (address) => ({ ...read(system, /(^|&)system=/.test(address) ? address : `system=${system.id}&${address}`), theme: this.state.theme, playing: this.state.playing }),
       tell,
     });
   }
