@@ -12,7 +12,7 @@ tab.on("pageerror", (error) => wrong.push(error.message));
 tab.on("console", (message) => message.type() === "error" && wrong.push(message.text()));
 await tab.goto(`file://${file}?still=0&quality=low#${hash}`);
 await tab.waitForSelector("html[data-ready]", { state: "attached", timeout: 60_000 });
-const state = () => tab.evaluate(() => ({ ...window.laboratory.state(), names: window.laboratory.results().names }));
+const state = () => tab.evaluate(() => window.laboratory.state());
 const before = await state();
 await tab.keyboard.press("h");
 await tab.locator("#tours li button").first().press("Enter");
