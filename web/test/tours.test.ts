@@ -47,6 +47,7 @@ describe("tours", () => {
     [JSON.stringify({ ...TOUR, script: "x".repeat(100) }), /unknown part "script"; known are/],
     [JSON.stringify(TOUR).replace('"tour"', '"__proto__":{"tour":1},"tour"'), /unknown part "__proto__"/],
     [JSON.stringify({ ...TOUR, steps: [] }), /"steps" of the tour must be a list of 1 to 12; got 0/],
+    [JSON.stringify({ ...TOUR, steps: Array(13).fill(STEP) }), /"steps" of the tour must be a list of 1 to 12; got 13/],
     [JSON.stringify({ ...TOUR, steps: [{ ...STEP, words: "x".repeat(712) }] }), /"words" of step 1 must have 1 to 600 characters; got 712/],
     [JSON.stringify({ ...TOUR, steps: [{ ...STEP, words: "a\nb" }] }), /"words" of step 1 has a control character/],
     [JSON.stringify({ ...TOUR, steps: [{ ...STEP, at: "keys" }] }), /"at" of step 1 is one of scene, .*; got "keys"/],
