@@ -1,9 +1,9 @@
 /// <reference types="vitest/config" />
 import { createHash } from "node:crypto";
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { gzipSync } from "node:zlib";
-import { defineConfig, type Plugin } from "vite";
+import { defineConfig, runnerImport, type Plugin } from "vite";
 
 const PROGRAM = resolve(import.meta.dirname, "../python/liepoisson/laboratory/page/core.wasm");
 
@@ -17,6 +17,26 @@ function core(): Plugin {
       if (id !== `\0${name}`) return undefined;
       const packed = gzipSync(readFileSync(PROGRAM), { level: 9 }).toString("base64");
       return `export default ${JSON.stringify(packed)};`;
+    },
+  };
+}
+
+/** Reads each tour as the page would: a wrong one ends the build.  States of systems are read where the system is known. */
+function tours(): Plugin {
+  const folder = resolve(import.meta.dirname, "src/data/tours");
+  return {
+    name: "tours",
+    async buildStart() {
+      const { checkSteps, tourOf } = (await runnerImport<typeof import("./src/data/tour")>("./src/data/tour.ts")).module;
+      const { read } = (await runnerImport<typeof import("./src/state/url")>("./src/state/url.ts")).module;
+      for (const file of readdirSync(folder)) {
+        try {
+          const tour = tourOf(readFileSync(resolve(folder, file), "utf8"));
+          if (!tour.system) checkSteps(tour, read);
+        } catch (error) {
+          throw new Error(`${file}: ${(error as Error).message}`);
+        }
+      }
     },
   };
 }
@@ -52,7 +72,7 @@ function oneFile(): Plugin {
 
 export default defineConfig({
   base: "./",
-  plugins: [core(), oneFile()],
+  plugins: [core(), tours(), oneFile()],
   worker: { format: "iife", plugins: () => [core()] },
   build: { rolldownOptions: { output: { codeSplitting: false } }, assetsInlineLimit: 1e8, cssCodeSplit: false, modulePreload: false, target: "es2022", reportCompressedSize: false },
   test: { include: ["test/**/*.test.ts"] },

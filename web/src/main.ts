@@ -13,7 +13,7 @@ import { LyapunovPanel } from "./panels/lyapunov";
 import { PortraitPanel } from "./panels/portrait";
 import { ScenePanel } from "./panels/scene";
 import { SectionPanel } from "./panels/section";
-import { Tour } from "./panels/tour";
+import { Tours } from "./panels/tour";
 import { Results } from "./results";
 import { shortest, type Exact } from "./state/exact";
 import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
@@ -188,7 +188,7 @@ function header(): void {
   );
   find("share").addEventListener("click", share);
   find("python").addEventListener("click", python);
-  find("guide").addEventListener("click", () => tour.begin());
+  find("guide").addEventListener("click", () => tours.choose());
   find("theme").addEventListener("click", nextTheme);
   find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
   find("message").querySelector("button")?.addEventListener("click", () => tell(""));
@@ -228,11 +228,16 @@ function step(sign: number): void {
   act({ do: "time", time: Math.min(lab.time + sign * STEP * lab.speed, Math.max(results.top.end, 0)) });
 }
 
-const tour = new Tour(find<HTMLDialogElement>("tour"), () => lab, (to) => {
-  const other = !sameRun(lab, to);
-  lab = to;
-  if (other) run();
-  show();
+const tours = new Tours<Laboratory>(find<HTMLDialogElement>("tours"), find<HTMLDialogElement>("tour"), {
+  now: () => lab,
+  set(to) {
+    const before = lab;
+    lab = withPartsOf(before, to);
+    if (!sameRun(before, lab)) run();
+    show();
+  },
+  read: (address) => ({ ...read(address), theme: lab.theme, playing: lab.playing }),
+  tell,
 });
 
 const KEYS: Readonly<Record<string, () => void>> = {
@@ -247,14 +252,14 @@ const KEYS: Readonly<Record<string, () => void>> = {
   t: nextTheme,
   s: () => void share(),
   p: () => void python(),
-  h: () => tour.begin(),
+  h: () => tours.choose(),
   "?": () => find<HTMLDialogElement>("keys").showModal(),
 };
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
 
 function keys(event: KeyboardEvent): void {
   const target = event.target as HTMLElement;
-  if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog")) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog[open]")) return;
   if (event.key === " " && target.closest("button")) return;
   const turn = event.shiftKey ? TURNS[event.key] : undefined;
   const preset = /^[1-9]$/.test(event.key) ? presets[Number(event.key) - 1] : undefined;
@@ -271,6 +276,14 @@ function distance(): string {
   let sum = 0;
   for (let k = 0; k < N; k++) sum += (one[k] - other[k]) ** 2;
   return Math.sqrt(sum) < 0.01 ? Math.sqrt(sum).toPrecision(2) : Math.sqrt(sum).toFixed(2);
+}
+
+/** The state at rest, for those who do not see the scene. */
+function inNumbers(): string {
+  const state = results.top.at(lab.time);
+  if (!state) return "";
+  const vector = (words: string, at: number) => `${words} ${Array.from(state.subarray(at, at + 3), (value) => value.toFixed(3).replace("-", "−")).join(", ")}`;
+  return `${find("clock").textContent}: ${vector("angular momentum", 0)}; ${vector("first field", 3)}; ${vector("second field", 6)}`;
 }
 
 let frames = 0;
@@ -316,6 +329,7 @@ function draw(): void {
     find("apart").hidden = !lab.view.shadow || !apart;
     (find("apart").lastElementChild as HTMLElement).textContent = apart;
     controls.conserved(results, lab.time);
+    if (!lab.playing) find("numbers").textContent = inNumbers();
   }
   section.draw(lab, results, palette);
   if (frames % CHARTS_EVERY === 0) lyapunov.draw(lab, results, palette);
@@ -328,7 +342,8 @@ async function begin(): Promise<void> {
   fillHelp(find<HTMLDialogElement>("keys"));
   document.addEventListener("keydown", keys);
   const { address, playing } = place();
-  if (address) {
+  const isTour = tours.isLink(address);
+  if (address && !isTour) {
     try {
       lab = read(address);
     } catch (error) {
@@ -345,6 +360,7 @@ async function begin(): Promise<void> {
       if (update.say === "ended") tell(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
     }, (message) => tell(`The core refuses this: ${message}`));
     run();
+    if (isTour) tours.follow(address);
   } catch (error) {
     tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
   }
@@ -360,6 +376,7 @@ Object.assign(window, {
     firstPicture: () => firstPicture,
     isLowQuality: () => scene.software,
     python: () => asPython(lab),
+    sizes: () => scene.sizes(),
   },
 });
 

@@ -47,6 +47,9 @@ export function element(name: string): HTMLElement {
   return found;
 }
 
+/** Least size of a subscript, in pixels. */
+const SMALLEST = 11;
+
 /** On a canvas, from the left; gives the width. */
 export function draw(context: CanvasRenderingContext2D, name: string, x: number, y: number, size: number): number {
   let width = 0;
@@ -55,7 +58,7 @@ export function draw(context: CanvasRenderingContext2D, name: string, x: number,
     context.fillText(letter, x + width, y);
     width += context.measureText(letter).width;
     if (!index) continue;
-    context.font = `${size * 0.68}px "STIX Two Text", serif`;
+    context.font = `${Math.max(size * 0.68, SMALLEST)}px "STIX Two Text", serif`;
     context.fillText(index, x + width, y + size * 0.22);
     width += context.measureText(index).width;
   }

@@ -32,6 +32,7 @@ async function violations(tab) {
   const { violations: found } = await tab.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
   return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ target, any }) => `${target} ${any[0]?.message ?? ""}`).join("; ")}`);
 }
+const tourOf = (...steps) => ({ tour: 1, title: "a tour", about: "of a test", steps });
 const PRESETS = ["lagrange", "twisted-lagrange", "kovalevskaya", "twisted-kovalevskaya", "charged", "sticky", "collinear", "two-field"];
 
 const checks = {
@@ -128,6 +129,10 @@ const checks = {
             await tab.keyboard.press(key);
             await tab.waitForTimeout(300);
             assert.deepEqual(await violations(tab), [], `${theme}, after ${key}`);
+            if (key === "h") {
+              await tab.keyboard.press("Enter");
+              assert.deepEqual(await violations(tab), [], `${theme}, in a tour`);
+            }
             await tab.keyboard.press("Escape");
           }
         }
@@ -241,26 +246,184 @@ const checks = {
     assert.deepEqual(wrong, []);
     await tab.close();
   },
-  async "the tour goes its six steps by keys, and leaving it early brings the old state back"() {
+  async "the tours go their steps by keys, and leaving one early brings the old state back"() {
     const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=collinear&theme=light");
     await ready(tab);
     await tab.keyboard.press("h");
-    const seen = [];
-    for (let k = 0; k < 6; k++) {
-      const { preset, view } = await state(tab);
-      seen.push(`${preset} ${view.frame}`);
-      assert.match(await tab.locator("#tour h2").innerText(), new RegExp(`^${k + 1} of 6`));
-      assert.equal(await tab.locator(".pointed").count(), 1);
-      if (k < 5) await tab.keyboard.press(k % 2 ? "ArrowRight" : "Enter");
-    }
-    assert.deepEqual(seen, ["lagrange space", "kovalevskaya space", "twisted-kovalevskaya space", "sticky space", "lagrange momentum", "twisted-lagrange rod"]);
+    const count = await tab.locator("#tours li button").count();
+    assert.equal(count, 5);
     await tab.keyboard.press("Escape");
-    assert.equal((await state(tab)).preset, "collinear");
-    assert.equal(await tab.locator("#tour[open]").count(), 0);
+    for (let tour = 0; tour < count; tour++) {
+      await tab.keyboard.press("h");
+      for (let k = 0; k < tour; k++) await tab.keyboard.press("Tab");
+      await tab.keyboard.press("Enter");
+      for (let k = 0; k < 5; k++) {
+        assert.match(await tab.locator("#tour h2").innerText(), new RegExp(`^${k + 1} of 5`));
+        assert.equal(await tab.locator(".pointed").count(), 1);
+        const { preset, theme, playing } = await state(tab);
+        assert.notEqual(preset, "collinear");
+        assert.deepEqual([theme, playing], ["light", false]);
+        if (k < 4) await tab.keyboard.press(k % 2 ? "ArrowRight" : "Enter");
+      }
+      await tab.keyboard.press("Escape");
+      assert.equal((await state(tab)).preset, "collinear");
+      assert.equal(await tab.locator("#tour[open]").count(), 0);
+    }
     await tab.keyboard.press("h");
-    for (let k = 0; k < 6; k++) await tab.keyboard.press("Enter");
-    assert.equal((await state(tab)).preset, "twisted-lagrange");
+    await tab.locator("#tours li button").last().click();
+    for (let k = 0; k < 5; k++) await tab.keyboard.press("Enter");
+    assert.equal((await state(tab)).preset, "twisted-kovalevskaya");
     assert.deepEqual(wrong, []);
+    await tab.close();
+  },
+  async "a tour of a teacher is taken from a file and from a link, and shown as text"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=collinear&theme=light");
+    await ready(tab);
+    await tab.keyboard.press("h");
+    const markup = "<img src=x onerror=alert(1)> <b>α</b>";
+    const text = JSON.stringify(tourOf({ title: markup, words: markup, at: "drift", state: `${page}#v=1&preset=sticky&theme=dark` }));
+    await tab.locator("#tours input").setInputFiles({ name: "mine.json", mimeType: "application/json", buffer: Buffer.from(text) });
+    await tab.locator("#tour[open]").waitFor();
+    const seen = async ({ tab }) => [await tab.locator("#tour h2").innerText(), await tab.locator("#tour p").innerText(), await tab.locator("#tour :is(img, b)").count(), (await state(tab)).preset];
+    assert.deepEqual(await seen({ tab }), [`1 of 1: ${markup}`, markup, 0, "sticky"]);
+    await tab.evaluate(() => Object.defineProperty(navigator, "clipboard", { value: { writeText: async (text) => void (window.copied = text) } }));
+    await tab.locator("#tour button", { hasText: "Copy link" }).click();
+    const link = await tab.evaluate(() => window.copied);
+    const other = await opened(`?still=0&quality=low${link.slice(link.indexOf("#"))}`);
+    await other.tab.locator("#tour[open]").waitFor();
+    assert.deepEqual(await seen(other), await seen({ tab }));
+    await other.tab.keyboard.press("Escape");
+    assert.equal((await state(other.tab)).preset, "twisted-kovalevskaya");
+    assert.deepEqual([...wrong, ...other.wrong], []);
+    await tab.close();
+    await other.tab.close();
+  },
+  async "a hostile tour does nothing but give a message"() {
+    const step = { title: "a", words: "b", at: "scene", state: "v=1&preset=lagrange" };
+    const hostile = {
+      "no JSON": "<img src=x onerror=alert(1)>",
+      'unknown part "__proto__"': `{"__proto__":{"shown":1},"tour":1,"title":"a","about":"b","steps":[]}`,
+      'unknown part "constructor"': JSON.stringify({ ...tourOf(step), constructor: 1 }),
+      "is one of scene": JSON.stringify(tourOf({ ...step, at: "#keys, body" })),
+      "must have 1 to 600 characters; got 5000": JSON.stringify(tourOf({ ...step, words: "x".repeat(5000) })),
+      "control character": JSON.stringify(tourOf({ ...step, words: "\u202Egnp.exe" })),
+      "a list of 1 to 12; got 13": JSON.stringify({ ...tourOf(step), steps: Array(13).fill(step) }),
+      "the state of step 2 cannot be shown": JSON.stringify({ ...tourOf(step), steps: [step, { ...step, state: "v=1&theme=<script>" }] }),
+      "it is too long": "x".repeat(300_000),
+      "for the page of henon-heiles": JSON.stringify({ ...tourOf(step), system: "henon-heiles" }),
+    };
+    const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=collinear&theme=light");
+    await ready(tab);
+    const before = await state(tab);
+    for (const [why, text] of Object.entries(hostile)) {
+      await tab.evaluate(() => document.getElementById("guide").click());
+      await tab.locator("#tours input").setInputFiles({ name: "hostile.json", mimeType: "application/json", buffer: Buffer.from(text) });
+      await tab.locator("#message").waitFor();
+      const message = await tab.locator("#message").innerText();
+      assert.ok(message.includes(why) && /tour of this file cannot be shown/.test(message), `${why}: ${message}`);
+      assert.ok(message.length < 500, `${message.length} characters`);
+      assert.deepEqual(await state(tab), before);
+      assert.deepEqual(await tab.evaluate(() => [document.querySelectorAll("dialog[open], img, script:not([type])").length, {}.shown ?? null]), [0, null]);
+      await tab.locator("#message button").click();
+    }
+    for (const link of ["tour=%E0%A4%A", "tour=", `tour=${"x".repeat(800_000)}`]) {
+      const other = await opened(`?still=0&quality=low#${link}`);
+      await other.tab.locator("#message").waitFor();
+      assert.match(await other.tab.locator("#message").innerText(), /tour of this link cannot be shown/);
+      assert.equal((await state(other.tab)).preset, "twisted-kovalevskaya");
+      assert.deepEqual(other.wrong, []);
+      await other.tab.close();
+    }
+    assert.deepEqual(wrong, []);
+    await tab.close();
+  },
+  async "no text is smaller than 11 pixels, and each axis has two numbers, in any theme and width"() {
+    const drawn = () => {
+      window.drawn = [];
+      const { fillText } = CanvasRenderingContext2D.prototype;
+      CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
+        const panel = this.canvas.closest(".panel")?.id;
+        if (panel) window.drawn.push({ panel, text, x, bottom: this.canvas.clientHeight - y, size: parseFloat(/([\d.]+)px/.exec(this.font)[1]) });
+        fillText.call(this, text, x, y, ...rest);
+      };
+    };
+    for (const theme of ["light", "dark", "projector"]) {
+      for (const [width, height] of [[1440, 900], [1000, 620], [390, 844]]) {
+        const { tab } = await opened(`?still=60&quality=low#v=1&preset=twisted-lagrange&theme=${theme}`, { viewport: { width, height } }, drawn);
+        await ready(tab);
+        const where = `${theme}, ${width}`;
+        for (const key of [null, "?", "h"]) {
+          if (key) await tab.keyboard.press(key);
+          await tab.waitForTimeout(300);
+          const small = await tab.evaluate(() => {
+            const [found, walker] = [[], document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT)];
+            while (walker.nextNode()) {
+              const { data, parentElement } = walker.currentNode;
+              const size = parseFloat(getComputedStyle(parentElement).fontSize);
+              if (data.trim() && parentElement.checkVisibility() && size < 11) found.push(`${data.trim().slice(0, 20)}: ${size}`);
+            }
+            return found;
+          });
+          assert.deepEqual(small, [], where);
+          if (key) await tab.keyboard.press("Escape");
+        }
+        const texts = await tab.evaluate(() => window.drawn);
+        assert.deepEqual(texts.filter(({ size }) => size < 11), [], where);
+        for (const panel of ["section", "portrait", "lyapunov", "drift"]) {
+          const numbers = texts.filter((one) => one.panel === panel && /^−?[\d.]+$/.test(one.text));
+          const [across, up] = [numbers.filter(({ bottom }) => bottom < 38), numbers.filter(({ bottom, x }) => bottom > 30 && x < 48)];
+          for (const axis of [across, up]) assert.ok(new Set(axis.map((one) => `${one.x} ${one.bottom}`)).size >= 2, `${where}, ${panel}: ${axis.map(({ text }) => text)}`);
+        }
+        await tab.close();
+      }
+    }
+  },
+  async "on a phone the twist is in reach without a scroll, and the rest when it is asked for"() {
+    for (const theme of ["light", "dark", "projector"]) {
+      const { tab, wrong } = await opened(`?still=0&quality=low#v=1&preset=twisted-lagrange&theme=${theme}`, { viewport: { width: 390, height: 844 } });
+      await ready(tab);
+      const slider = tab.locator('#controls input[type="range"]').first();
+      const { y, height } = await slider.boundingBox();
+      assert.ok(y > 0 && y + height < 844, `${theme}: the slider is at ${y}`);
+      await slider.press("Home");
+      assert.equal((await state(tab)).parameters[9].value, 0);
+      const moment = tab.locator('input[aria-label="I₁, exact value"]');
+      assert.equal(await moment.isVisible(), false);
+      await tab.locator(".more").press("Enter");
+      assert.equal(await moment.isVisible(), true);
+      assert.deepEqual(wrong, []);
+      await tab.close();
+    }
+  },
+  async "the help opens at its head, in any size"() {
+    for (const [width, height] of [[1440, 900], [1000, 500], [390, 844]]) {
+      const { tab } = await opened("?still=0&quality=low#v=1&preset=lagrange", { viewport: { width, height } });
+      await ready(tab);
+      await tab.keyboard.press("?");
+      assert.equal(await tab.locator("#keys").evaluate((one) => one.scrollTop), 0);
+      const { y } = await tab.locator("#keys h2").boundingBox();
+      assert.ok(y > 0 && y < height / 2, `the head is at ${y}`);
+      await tab.keyboard.press("Escape");
+      await tab.close();
+    }
+  },
+  async "vectors are seen outside the body"() {
+    // the field that stands still is drawn shorter, the longer the other one becomes
+    const { tab } = await opened("?still=2490&quality=low#v=1&preset=twisted-lagrange&theme=light");
+    await ready(tab);
+    const [radius, [, , beta]] = await tab.evaluate(() => window.laboratory.sizes());
+    assert.ok(beta > radius, `${beta} and ${radius}`);
+    await tab.close();
+  },
+  async "numbers are told to those who do not see the charts"() {
+    const { tab } = await opened("?still=60&quality=low#v=1&preset=twisted-kovalevskaya");
+    await ready(tab);
+    await tab.waitForTimeout(300);
+    const label = (panel) => tab.locator(`#${panel} canvas`).last().getAttribute("aria-label");
+    assert.match(await label("lyapunov"), /0\.130 at t = 10,240/);
+    assert.match(await label("drift"), /at most \d.*e-1\d up to t = 10,/);
+    assert.match(await label("section"), /1,246 crossings that rise through ℓ₃ = 0/);
+    assert.match(await tab.locator("#numbers").textContent(), /^t = 1\.00: angular momentum (−?\d\.\d{3}(, )?){3}; first field/);
     await tab.close();
   },
   async "embedded, only the scene and the section are seen"() {

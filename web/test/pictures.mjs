@@ -1,10 +1,16 @@
-// Takes pictures of the built page: node test/pictures.mjs FOLDER [name=hash;width;height;search ...]
+// Takes pictures of the built page: node test/pictures.mjs FOLDER [name=hash;width;height;search ...].  Without names it takes
+// the page, its panels and dialogs in three themes and two sizes.
 
 import { mkdirSync } from "node:fs";
 import { resolve } from "node:path";
 import { chromium } from "playwright-core";
 
-const [folder, ...wanted] = process.argv.slice(2);
+const [folder, ...named] = process.argv.slice(2);
+const PANELS = ["controls", "scene", "section", "portrait", "lyapunov", "drift"];
+const SHOWN = { light: "twisted-lagrange", dark: "charged", projector: "sticky" };
+const sizes = [["wide", 1440, 900], ["phone", 390, 844]];
+const every = Object.entries(SHOWN).flatMap(([theme, preset]) => sizes.map(([size, width, height]) => `${theme}-${size}=v=1&preset=${preset}&theme=${theme};${width};${height}`));
+const wanted = named.length ? named : every;
 const page = `file://${resolve(import.meta.dirname, "../dist/index.html")}`;
 const args = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"];
 mkdirSync(folder, { recursive: true });
@@ -26,6 +32,18 @@ for (const picture of wanted) {
   });
   console.log(name, Date.now() - begun, "ms", JSON.stringify(found));
   await tab.screenshot({ path: `${folder}/${name}.png`, fullPage: Number(width) < 900 });
+  if (!named.length) {
+    for (const panel of PANELS) await tab.locator(`#${panel}`).screenshot({ path: `${folder}/${name}-${panel}.png` });
+    await tab.evaluate(() => scrollTo(0, 0));
+    await tab.screenshot({ path: `${folder}/${name}-first.png` });
+    for (const [dialog, key] of [["keys", "?"], ["tours", "h"]]) {
+      await tab.keyboard.press(key);
+      await tab.screenshot({ path: `${folder}/${name}-${dialog}.png` });
+      if (dialog === "keys") await tab.locator("#keys button").click();
+    }
+    await tab.locator("#tours li button").first().click();
+    await tab.screenshot({ path: `${folder}/${name}-tour.png` });
+  }
   await tab.close();
 }
 await browser.close();

@@ -57,6 +57,7 @@ export class ControlsPanel {
     panel.append(equations);
     this.heading("Twist");
     this.rows(["epsilon"], parameters, "single");
+    this.fold();
     this.heading("Moments and centres");
     this.rows(["I", "a", "b"], parameters);
     this.heading("Start");
@@ -74,6 +75,19 @@ export class ControlsPanel {
     this.story.id = "story";
     panel.append(this.invariants, this.story);
     this.listen();
+  }
+
+  /** A narrow page shows the rest when it is asked to. */
+  private fold(): void {
+    const more = Object.assign(document.createElement("button"), { type: "button", className: "more" });
+    const show = (folded: boolean) => {
+      this.panel.classList.toggle("folded", folded);
+      more.setAttribute("aria-expanded", String(!folded));
+      more.textContent = folded ? "Moments, start, section …" : "Fewer entries";
+    };
+    more.addEventListener("click", () => show(!this.panel.classList.contains("folded")));
+    show(true);
+    this.panel.append(more);
   }
 
   private heading(text: string): HTMLElement {

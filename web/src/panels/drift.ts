@@ -19,6 +19,8 @@ export interface Key {
   readonly dash: readonly number[];
 }
 
+const LABEL = "Drift of the invariants";
+
 export class DriftPanel {
   readonly plot: Plot;
   private readonly head: HTMLElement;
@@ -27,7 +29,7 @@ export class DriftPanel {
   private results: Results | null = null;
 
   constructor(panel: HTMLElement, private readonly clock: Clock = OF_TOPS) {
-    this.plot = new Plot(panel, "Drift of the invariants");
+    this.plot = new Plot(panel, LABEL);
     this.head = panel.querySelector("p") as HTMLElement;
     this.remark = remarkIn(panel);
   }
@@ -40,7 +42,9 @@ export class DriftPanel {
       const colours = coloursOf(palette);
       if (results !== this.results || !this.drawn.endsWith(palette.panel) || !this.head.childElementCount) this.legend(results, colours);
       [this.drawn, this.results] = [key, results];
-      const largest = drift.rows.reduce((most, row) => row.reduce((a, b) => Math.max(a, Math.abs(b)), most), 1e-13);
+      const found = drift.rows.reduce((most, row) => row.reduce((a, b) => Math.max(a, Math.abs(b)), most), 0);
+      const largest = Math.max(found, 1e-13);
+      plot.canvas.setAttribute("aria-label", drift.length ? `${LABEL}, at most ${found.toPrecision(2)} up to t = ${Math.round(drift.times[drift.length - 1]).toLocaleString("en")}` : LABEL);
       plot.x = { range: [this.clock.unit, this.clock.horizon], log: true, name: "t" };
       plot.y = { range: [LEAST, Math.max(largest * 8, 1e-11)], log: true, name: "" };
       plot.axes(palette);

@@ -12,7 +12,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ["S", "copy the address of this state"],
   ["P", "copy the lines of Python that compute it"],
   ["shift ← → ↑ ↓", "turn the view"],
-  ["H", "a guided tour"],
+  ["H", "guided tours"],
   ["← → and Enter in the section", "choose a crossing and start there"],
 ];
 
@@ -27,7 +27,7 @@ const WORDS: readonly (readonly [string, string])[] = [
 ];
 
 export function fillHelp(dialog: HTMLDialogElement): void {
-  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts" });
+  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts", tabIndex: -1, autofocus: true });
   const form = Object.assign(document.createElement("form"), { method: "dialog" });
   form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
   dialog.append(heading, list(KEYS, true), list(WORDS, false), form);

@@ -3,7 +3,10 @@
 import type { Results } from "../results";
 import { OF_TOPS, type Charted, type Clock } from "../state/charted";
 import type { Palette } from "../style/palette";
+import { element } from "../symbols";
 import { Plot } from "./plot";
+
+const LABEL = "Finite-time Lyapunov exponent";
 
 export class LyapunovPanel {
   readonly plot: Plot;
@@ -12,7 +15,7 @@ export class LyapunovPanel {
   private results: Results | null = null;
 
   constructor(panel: HTMLElement, private readonly clock: Clock = OF_TOPS) {
-    this.plot = new Plot(panel, "Finite-time Lyapunov exponent");
+    this.plot = new Plot(panel, LABEL);
     this.head = panel.querySelector("p") as HTMLElement;
   }
 
@@ -92,11 +95,9 @@ export class LyapunovPanel {
     const value = document.createElement("b");
     const lambda = exponent.rows[last][0];
     value.textContent = lambda.toFixed(Math.abs(lambda) < 0.01 ? 4 : 3).replace("-", "−");
-    const letter = document.createElement("i");
-    letter.className = "symbol";
-    letter.textContent = "λ";
     const time = Math.round(exponent.times[last]).toLocaleString("en");
-    this.head.replaceChildren(letter, " = ", value, ` at t = ${time}`);
+    this.head.replaceChildren(element("λ"), " = ", value, " at ", element("t"), ` = ${time}`);
+    this.plot.canvas.setAttribute("aria-label", `${LABEL}, ${value.textContent} at t = ${time}`);
     this.head.title = members ? `Band: 80 % of ${members} starts along this orbit; dashed: their median.` : "";
   }
 }

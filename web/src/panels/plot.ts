@@ -22,6 +22,8 @@ const BOTTOM = 38;
 const MARGIN = 0.08;
 /** Below the upper end of the axis, where its name stands in place of a number. */
 const NAME = 12;
+const NUMBERS = `12px "Inter Variable", sans-serif`;
+const POWERS = `11px "Inter Variable", sans-serif`;
 
 export class Plot {
   below: CanvasRenderingContext2D;
@@ -106,7 +108,6 @@ export class Plot {
     const { below: c, width, height } = this;
     c.clearRect(0, 0, width, height);
     c.lineWidth = 1;
-    c.font = `11px "Inter Variable", sans-serif`;
     const bottom = height - BOTTOM;
     c.textAlign = "center";
     for (const { value, text } of ticks(this.x, (width - LEFT - RIGHT) / (this.x.log ? 50 : 90))) {
@@ -116,10 +117,12 @@ export class Plot {
       number(c, text, at, bottom + 15);
     }
     c.textAlign = "right";
-    for (const { value, text } of ticks(this.y, (height - TOP - BOTTOM) / 45)) {
+    // where the name of an axis stands, a number has no place
+    const hasPlace = (value: number) => !this.y.name || this.py(value) >= TOP + NAME;
+    for (const { value, text } of ticks(this.y, (height - TOP - BOTTOM) / 45, hasPlace)) {
       const at = Math.round(this.py(value)) + 0.5;
       line(c, value === 0 && !this.y.log ? palette.zero : palette.grid, LEFT, at, width - RIGHT, at);
-      if (this.y.name && at < TOP + NAME) continue;
+      if (!hasPlace(value)) continue;
       c.fillStyle = palette.faint;
       number(c, text, LEFT - 8, at + 4, LEFT - 10);
     }
@@ -175,7 +178,7 @@ function line(c: CanvasRenderingContext2D, style: string, x0: number, y0: number
 
 /** Powers of ten are written with a raised exponent; what is wider than there is room is condensed. */
 function number(c: CanvasRenderingContext2D, text: string, x: number, y: number, most = 1e4): void {
-  c.font = `11px "Inter Variable", sans-serif`;
+  c.font = NUMBERS;
   const [base, power] = text.split("^");
   if (power === undefined) {
     c.fillText(base, x, y, most);
@@ -183,18 +186,23 @@ function number(c: CanvasRenderingContext2D, text: string, x: number, y: number,
   }
   const align = c.textAlign;
   const width = c.measureText(base).width;
-  c.font = `8px "Inter Variable", sans-serif`;
+  c.font = POWERS;
   const raised = c.measureText(power).width;
   const left = align === "right" ? x - width - raised : x - (width + raised) / 2;
   c.textAlign = "left";
   c.fillText(power, left + width, y - 5);
-  c.font = `11px "Inter Variable", sans-serif`;
+  c.font = NUMBERS;
   c.fillText(base, left, y);
   c.textAlign = align;
 }
 
-/** Round values for labels, about as many as wanted; parts of a turn for an angle. */
-export function ticks({ range: [low, high], log, turn }: Axis, wanted: number): { value: number; text: string }[] {
+interface Tick {
+  readonly value: number;
+  readonly text: string;
+}
+
+/** Round values for labels, about as many as wanted but at least two that have a place; parts of a turn for an angle. */
+export function ticks({ range: [low, high], log, turn }: Axis, wanted: number, hasPlace: (value: number) => boolean = () => true): Tick[] {
   const count = Math.max(wanted, 2);
   if (turn && isAngle(turn) && high - low >= Math.PI) return quarters(low, high);
   if (log) {
@@ -202,8 +210,17 @@ export function ticks({ range: [low, high], log, turn }: Axis, wanted: number): 
     const every = Math.max(1, Math.ceil((to - from) / count));
     const powers = [];
     for (let power = from; power <= to; power += every) powers.push(power);
-    return powers.map((power) => ({ value: 10 ** power, text: powerOfTen(power) }));
+    const found = powers.map((power) => ({ value: 10 ** power, text: powerOfTen(power) }));
+    if (found.filter(({ value }) => hasPlace(value)).length >= 2) return found;
   }
+  for (let more = count; more <= 64 * count; more *= 2) {
+    const found = evenly(low, high, more);
+    if (found.filter(({ value }) => hasPlace(value)).length >= 2) return found;
+  }
+  return evenly(low, high, count);
+}
+
+function evenly(low: number, high: number, count: number): Tick[] {
   const rough = (high - low) / count;
   const size = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((factor) => factor * size).find((one) => one >= rough) ?? rough;
@@ -220,9 +237,9 @@ function isAngle([begin, end]: Turn): boolean {
 }
 
 /** Quarters of a turn. */
-function quarters(low: number, high: number): { value: number; text: string }[] {
+function quarters(low: number, high: number): Tick[] {
   const quarter = Math.PI / 2;
-  const found: { value: number; text: string }[] = [];
+  const found: Tick[] = [];
   for (let k = Math.ceil(low / quarter - 1e-9); k <= Math.floor(high / quarter + 1e-9); k++) {
     const size = Math.abs(k) % 2 ? `${Math.abs(k) === 1 ? "" : Math.abs(k)}π/2` : `${Math.abs(k) === 2 ? "" : Math.abs(k) / 2}π`;
     found.push({ value: k * quarter, text: k === 0 ? "0" : `${k < 0 ? "−" : ""}${size}` });

@@ -24,6 +24,10 @@ import { RodView } from "./rod";
 /** Longest half axis, and longest vector, in units of the scene. */
 const BODY = 0.95;
 const LONGEST = 1.7;
+/** Length of the head of a vector. */
+const HEAD = 0.23;
+/** The body is so small that the head of a vector half as long as the longest one lies outside. */
+const SIZE = (LONGEST / 2 - HEAD) / BODY;
 /** Time units of the trails. */
 const PAST = 9;
 const TRAIL_POINTS = 460;
@@ -83,6 +87,8 @@ export class ScenePanel {
       label.setAttribute("aria-hidden", "true");
       return label;
     });
+    this.body.scale.setScalar(SIZE);
+    this.ghost.scale.setScalar(SIZE);
     this.works = this.begin(quality);
     if (!this.works) return;
     this.momentum = new MomentumView(this.software);
@@ -196,6 +202,11 @@ export class ScenePanel {
     return canvas;
   }
 
+  /** For tests: how far the body reaches, and how long the vectors are. */
+  sizes(): [number, number[]] {
+    return [SIZE * BODY, this.arrows.map((one) => (one.userData.tip as Vector3).length())];
+  }
+
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.holder;
     if (!width || !height) return;
@@ -287,7 +298,7 @@ export class ScenePanel {
     const paths: number[][] = [[], [], [], []];
     const add = (states: Float64Array, at: number) => {
       VECTORS.forEach((vector, k) => paths[k].push(...turned(states, at, vector.at).multiplyScalar(this.scales[k]).toArray()));
-      if (!fixed) paths[3].push(...new Vector3(0, 0, 1.3).applyQuaternion(quaternionOf(states, at)).toArray());
+      if (!fixed) paths[3].push(...new Vector3(0, 0, 1.3 * SIZE).applyQuaternion(quaternionOf(states, at)).toArray());
     };
     results.top.visit(from, lab.time, (_, states, at) => add(states, at));
     add(state, 0);
@@ -360,11 +371,11 @@ export function arrow(): Group {
   const material = new MeshStandardMaterial({ roughness: 0.35, metalness: 0.15 });
   const shaft = new Mesh(new CylinderGeometry(0.026, 0.026, 1, 20), material);
   shaft.geometry.translate(0, 0.5, 0);
-  const head = new Mesh(new ConeGeometry(0.078, 0.23, 28), material);
-  head.geometry.translate(0, -0.115, 0);
+  const head = new Mesh(new ConeGeometry(0.078, HEAD, 28), material);
+  head.geometry.translate(0, -HEAD / 2, 0);
   group.add(shaft, head);
   // what the body hides shines through it
-  const through = new MeshBasicMaterial({ transparent: true, opacity: 0.3, depthFunc: GreaterDepth, depthWrite: false });
+  const through = new MeshBasicMaterial({ transparent: true, opacity: 0.55, depthFunc: GreaterDepth, depthWrite: false });
   for (const part of [shaft, head]) {
     part.castShadow = true;
     part.add(new Mesh(part.geometry, through));

@@ -28,7 +28,7 @@ export class SectionPanel {
     const { canvas } = this.plot;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
-    canvas.setAttribute("aria-label", "Crossings of the section. Arrow keys choose one, Enter starts there.");
+    canvas.setAttribute("aria-label", label("Crossings of the section"));
     canvas.addEventListener("pointermove", (event) => (this.chosen = this.near(event.offsetX, event.offsetY)));
     canvas.addEventListener("pointerleave", () => (this.chosen = null));
     canvas.addEventListener("click", (event) => this.begin(this.near(event.offsetX, event.offsetY)));
@@ -83,9 +83,12 @@ export class SectionPanel {
     scale.style.background = `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map((part) => timeColour(part, palette.dark)).join(",")})`;
     const bold = document.createElement("b");
     bold.textContent = count.toLocaleString("en");
-    // a modulus leaves no room for the word
-    const [modulo, words] = lab.modulus ? [` mod ${lab.modulus}`, ""] : ["", count === 1 ? " crossing" : " crossings"];
-    this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${modulo}${sign} · `, bold, words);
+    // a modulus leaves no room for the word, nor do a narrow page and large letters
+    const [modulo, text] = lab.modulus ? [` mod ${lab.modulus}`, ""] : ["", count === 1 ? " crossing" : " crossings"];
+    const words = Object.assign(document.createElement("span"), { className: "words", textContent: text });
+    this.head.replaceChildren(element("t"), scale, element(lab.surface), ` = 0${modulo}${sign} · `, bold, words);
+    const way = ["fall through", "cross", "rise through"][lab.direction + 1];
+    this.plot.canvas.setAttribute("aria-label", label(`${bold.textContent}${count === 1 ? " crossing" : " crossings"} that ${way} ${plain(lab.surface)} = 0${modulo}`));
     this.head.setAttribute("title", "Crossings that rise (↑), fall (↓), or both (↕); early ones violet, late ones yellow.");
   }
 
@@ -144,6 +147,10 @@ export class SectionPanel {
     event.preventDefault();
     event.stopPropagation();
   }
+}
+
+function label(what: string): string {
+  return `${what}. Arrow keys choose one, Enter starts there.`;
 }
 
 function ring(c: CanvasRenderingContext2D, [x, y]: readonly [number, number], colour: string, radius: number): void {

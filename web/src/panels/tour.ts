@@ -1,73 +1,49 @@
-/** A tour of six steps.  Each sets a state of the laboratory and points at a panel; leaving early brings the old state back. */
+/**
+ * Guided tours: a choice of them, and a box that goes through the steps of one.  Each step sets a state of the laboratory and
+ * points at a panel; leaving early brings the old state back.  The page of tops and those of systems share it.
+ */
 
-import { begun, changed, type Action, type Laboratory } from "../state/laboratory";
+import { addressOf, checkSteps, LONGEST, tourOf, type Tour } from "../data/tour";
+import { tours } from "../data/tours";
+import { Refused } from "../state/laboratory";
+import { place } from "../state/place";
 
-interface Step {
-  readonly at: string;
-  readonly title: string;
-  readonly words: string;
-  /** Begins with a preset, then changes it. */
-  readonly preset: string;
-  readonly then?: readonly Action[];
+/** What a tour does with the page in which it runs. */
+export interface Stage<State> {
+  /** The system of the page; none on that of tops. */
+  readonly system?: string;
+  now(): State;
+  set(state: State): void;
+  /** The state of an address, seen as the present one is: with its theme, at rest or not.  Throws `Refused`. */
+  read(address: string): State;
+  tell(message: string): void;
 }
 
-const STEPS: readonly Step[] = [
-  {
-    at: "scene",
-    title: "A top, and how it turns",
-    words: "This is Lagrange's top: a body with an axis, and gravity α, which stays upright in space. The orange vector is the angular momentum. Drag to turn the view; the lines behind the vectors are their past.",
-    preset: "lagrange",
-  },
-  {
-    at: "section",
-    title: "A section",
-    words: "Each time the orbit of the Kovalevskaya top crosses a surface, a point is drawn. This top has a hidden integral, K, and the points keep to curves. Click a point, and a new orbit starts there.",
-    preset: "kovalevskaya",
-  },
-  {
-    at: "controls",
-    title: "The twist",
-    words: "With ε = 1 the first field moves in space, and the hidden integral is gone: the points scatter. The glass shadow started 0.001 away, and leaves. Every number on the left takes exact entries such as 1/3.",
-    preset: "twisted-kovalevskaya",
-  },
-  {
-    at: "lyapunov",
-    title: "How fast neighbours part",
-    words: "The exponent is the growth of a small distance per unit of time. This orbit stays beside a torus for a thousand time units, and its exponent falls as that of a regular orbit does. Then it leaves. A finite run proves neither order nor chaos.",
-    preset: "sticky",
-  },
-  {
-    at: "scene",
-    title: "The energy ellipsoid",
-    words: "Seen from the body, the angular momentum lies on the ellipsoid of its kinetic energy and on the sphere of its length, so on the golden curve where they meet. Gravity moves both; without it the curve would stand still.",
-    preset: "lagrange",
-    then: [{ do: "view", view: { frame: "momentum" } }],
-  },
-  {
-    at: "scene",
-    title: "An elastic rod",
-    words: "Kirchhoff saw that a top in time is a rod in space. The twisted top is a rod that carries a current in a magnetic field. Press S to share any state by its address, P to compute it in Python, and ? for all keys.",
-    preset: "twisted-lagrange",
-    then: [{ do: "view", view: { frame: "rod" } }],
-  },
-];
+/** An address that is a tour. */
+const LINK = "tour=";
 
-export class Tour {
+export class Tours<State> {
+  private tour: Tour | null = null;
   private at = 0;
-  private before: Laboratory | null = null;
+  private before: State | null = null;
   private focused: Element | null = null;
-  private readonly title = document.createElement("h2");
+  private readonly title = heading("tour-h");
   private readonly words = document.createElement("p");
   private readonly back = button("Back", () => this.go(this.at - 1));
   private readonly next = button("Next", () => this.go(this.at + 1));
-  private readonly leave = button("Skip", () => this.end(true));
+  private readonly leave = button("Leave", () => this.end(true));
+  private readonly link = button("Copy link", () => void this.share());
+  /** The text of a tour from outside. */
+  private text = "";
 
-  constructor(private readonly box: HTMLDialogElement, private readonly lab: () => Laboratory, private readonly set: (lab: Laboratory) => void) {
-    this.title.id = "tour-h";
-    const row = document.createElement("div");
-    this.leave.className = this.back.className = "plain";
-    row.append(this.leave, this.back, this.next);
-    box.append(this.title, this.words, row);
+  constructor(private readonly choice: HTMLDialogElement, private readonly box: HTMLDialogElement, private readonly stage: Stage<State>) {
+    const [said, row] = [document.createElement("div"), document.createElement("div")];
+    said.setAttribute("aria-live", "polite");
+    said.append(this.title, this.words);
+    row.className = "row-of-buttons";
+    this.leave.className = this.back.className = this.link.className = "plain";
+    row.append(this.leave, this.link, this.back, this.next);
+    box.append(said, row);
     box.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.end(true);
       else if (event.key === "ArrowRight") this.go(this.at + 1);
@@ -75,28 +51,105 @@ export class Tour {
       else return;
       event.preventDefault();
     });
+    this.fill();
   }
 
-  begin(): void {
-    if (this.box.open) return;
-    [this.before, this.focused] = [this.lab(), document.activeElement];
+  /** Shows the choice. */
+  choose(): void {
+    if (!this.box.open) this.choice.showModal();
+  }
+
+  isLink(address: string): boolean {
+    return address.startsWith(LINK);
+  }
+
+  /** Begins the tour that an address is. */
+  follow(address: string): void {
+    // a text has at most twelve characters of a link for one of its own
+    if (address.length > 12 * LONGEST) this.refuse("link", "it is too long");
+    else this.open("link", () => decodeURIComponent(address.slice(LINK.length)));
+  }
+
+  private fill(): void {
+    const list = document.createElement("ul");
+    const here = tours.filter(({ system }) => system === this.stage.system);
+    for (const tour of here) {
+      const item = document.createElement("li");
+      const choose = button(tour.title, () => this.begin(tour));
+      choose.append(small(tour.about));
+      item.append(choose);
+      list.append(item);
+    }
+    const elsewhere = tours.filter((tour) => !here.includes(tour)).map(({ title, system }) => {
+      const [line, command] = [document.createElement("p"), document.createElement("code")];
+      command.textContent = ["liepoisson lab", system].filter(Boolean).join(" ");
+      line.append(`${title}: on the page that `, command, " opens.");
+      return line;
+    });
+    const file = Object.assign(document.createElement("input"), { type: "file", accept: ".json,application/json" });
+    file.addEventListener("change", () => void this.readFile(file));
+    const label = document.createElement("label");
+    label.append("A tour from a file ", file);
+    const form = Object.assign(document.createElement("form"), { method: "dialog" });
+    form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
+    this.choice.append(Object.assign(heading("tours-h"), { textContent: "Guided tours" }), list, ...elsewhere, label, form);
+  }
+
+  private async readFile(input: HTMLInputElement): Promise<void> {
+    const file = input.files?.[0];
+    if (!file) return;
+    // a character has at most four bytes
+    if (file.size > 4 * LONGEST) this.refuse("file", `it is too long: ${file.size} bytes`);
+    else {
+      const text = await file.text();
+      this.open("file", () => text);
+    }
+    input.value = "";
+  }
+
+  /** Begins a tour from outside, if each of its steps can be shown. */
+  private open(what: string, given: () => string): void {
+    try {
+      const text = given();
+      const tour = tourOf(text);
+      if (tour.system !== this.stage.system) throw new Refused(`it is for the page of ${tour.system ?? "tops"}`);
+      checkSteps(tour, this.stage.read);
+      this.begin(tour, text);
+    } catch (error) {
+      this.refuse(what, error instanceof URIError ? "the link is broken" : (error as Error).message);
+    }
+  }
+
+  private refuse(what: string, why: string): void {
+    this.choice.close();
+    this.stage.tell(`The tour of this ${what} cannot be shown: ${why}.`);
+  }
+
+  private begin(tour: Tour, text = ""): void {
+    this.choice.close();
+    [this.tour, this.text, this.before, this.focused] = [tour, text, this.stage.now(), document.activeElement];
+    this.link.hidden = text === "";
     this.box.show();
     this.go(0);
   }
 
+  private async share(): Promise<void> {
+    this.stage.tell(await place().share(`${LINK}${encodeURIComponent(this.text)}`));
+  }
+
   private go(to: number): void {
-    if (to < 0) return;
-    if (to >= STEPS.length) return this.end(false);
+    if (!this.tour || to < 0) return;
+    const { steps } = this.tour;
+    if (to >= steps.length) return this.end(false);
     this.at = to;
-    const { at, title, words, preset, then = [] } = STEPS[to];
-    this.title.textContent = `${to + 1} of ${STEPS.length}: ${title}`;
+    const { at, title, words } = steps[to];
+    this.title.textContent = `${to + 1} of ${steps.length}: ${title}`;
     this.words.textContent = words;
     this.back.disabled = to === 0;
-    this.next.textContent = to === STEPS.length - 1 ? "Done" : "Next";
+    this.next.textContent = to === steps.length - 1 ? "Done" : "Next";
     this.next.focus();
     point(at);
-    const { theme, playing } = this.lab();
-    this.set(then.reduce(changed, { ...begun(preset), theme, playing }));
+    this.stage.set(this.stage.read(addressOf(steps[to])));
   }
 
   private end(early: boolean): void {
@@ -104,7 +157,7 @@ export class Tour {
     this.box.close();
     // what is hidden must not keep the focus
     if (this.box.contains(document.activeElement)) (document.activeElement as HTMLElement).blur();
-    if (early && this.before) this.set(this.before);
+    if (early && this.before) this.stage.set(this.before);
     if (this.focused instanceof HTMLElement) this.focused.focus();
   }
 }
@@ -115,6 +168,14 @@ function point(at: string | null): void {
   if (!panel) return;
   panel.classList.add("pointed");
   panel.scrollIntoView({ block: "nearest" });
+}
+
+function heading(id: string): HTMLHeadingElement {
+  return Object.assign(document.createElement("h2"), { id });
+}
+
+function small(text: string): HTMLElement {
+  return Object.assign(document.createElement("small"), { textContent: text });
 }
 
 function button(text: string, act: () => void): HTMLButtonElement {

@@ -1,6 +1,7 @@
 /** The state of the laboratory: one value, never changed in place, from which everything that is seen follows. */
 
 import { components, parameters, presetOf, presets } from "../data/tops";
+import { plain } from "../symbols";
 import { exact, type Exact } from "./exact";
 
 export const THEMES = ["auto", "light", "dark", "projector"] as const;
@@ -125,7 +126,7 @@ export function sameRun(one: Laboratory, other: Laboratory): boolean {
 
 export function checkParameter(index: number, to: Exact): void {
   if (index < 3 && !(to.value >= 0.01)) {
-    throw new Refused(`${parameters[index]} is a moment of inertia, at least 0.01; got ${to.text}`);
+    throw new Refused(`${plain(parameters[index])} is a moment of inertia, at least 0.01; got ${to.text}`);
   }
 }
 

@@ -46,7 +46,7 @@ export class AddressLine implements Place {
   async share(address: string): Promise<string> {
     try {
       await navigator.clipboard.writeText(`${location.href.split("#")[0]}#${address}`);
-      return "The address of this state is copied.";
+      return "The address is copied.";
     } catch {
       history.replaceState(null, "", `#${address}`);
       return "The address line now has this state; copy it from there.";

@@ -8,6 +8,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ["1 … 4", "views"],
   ["T", "theme: automatic, light, dark, projector"],
   ["S", "copy the address of this state"],
+  ["H", "guided tours"],
   ["shift ← → ↑ ↓", "turn the view"],
   ["← → and Enter in the section", "choose a crossing and start there"],
 ];
@@ -22,7 +23,7 @@ const WORDS: readonly (readonly [string, string])[] = [
 ];
 
 export function fillHelp(dialog: HTMLDialogElement): void {
-  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts" });
+  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts", tabIndex: -1, autofocus: true });
   const form = Object.assign(document.createElement("form"), { method: "dialog" });
   form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
   dialog.append(heading, list(KEYS, "kbd"), list(WORDS, "b"), form);

@@ -7,6 +7,7 @@ import { LyapunovPanel } from "../panels/lyapunov";
 import { PortraitPanel } from "../panels/portrait";
 import { entry } from "../panels/scene";
 import { SectionPanel } from "../panels/section";
+import { Tours } from "../panels/tour";
 import { Results } from "../results";
 import type { Charted } from "../state/charted";
 import { shortest } from "../state/exact";
@@ -67,6 +68,7 @@ class SystemPage {
   private readonly lyapunov: LyapunovPanel;
   private readonly drift: DriftPanel;
   private readonly views: readonly View[];
+  private readonly tours: Tours<SystemState>;
 
   constructor(private readonly system: SystemDescription) {
     const clock = (this.clock = clockOf(system));
@@ -83,6 +85,21 @@ class SystemPage {
     this.portrait = new PortraitPanel(find("portrait"), system, clock);
     this.lyapunov = new LyapunovPanel(find("lyapunov"), clock);
     this.drift = new DriftPanel(find("drift"), clock);
+    this.tours = new Tours(find<HTMLDialogElement>("tours"), find<HTMLDialogElement>("tour"), {
+      system: system.name,
+      now: () => this.state,
+      set: (state) => this.set(state),
+      // that of a tour may leave out the system, whose hash another version changes
+      read: (address) => ({ ...read(system, /(^|&)system=/.test(address) ? address : `system=${system.id}&${address}`), theme: this.state.theme, playing: this.state.playing }),
+      tell,
+    });
+  }
+
+  private set(state: SystemState): void {
+    const before = this.state;
+    this.state = withPartsOf(before, state);
+    if (!sameRun(before, this.state)) this.run();
+    this.show();
   }
 
   /** The one way in which the state changes. */
@@ -197,6 +214,7 @@ class SystemPage {
     );
     find("share").addEventListener("click", () => void this.share());
     find("theme").addEventListener("click", () => this.nextTheme());
+    find("guide").addEventListener("click", () => this.tours.choose());
     find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
     find("play").addEventListener("click", () => this.act({ do: "play", playing: !this.state.playing }));
     find("restart").addEventListener("click", () => this.act({ do: "time", time: 0 }));
@@ -236,6 +254,7 @@ class SystemPage {
       r: () => this.act({ do: "time", time: 0 }),
       t: () => this.nextTheme(),
       s: () => void this.share(),
+      h: () => this.tours.choose(),
       "?": () => find<HTMLDialogElement>("keys").showModal(),
     };
     const chosen = turn ? () => this.space.turn(...turn) : view ? () => this.act({ do: "view", view }) : does[event.key.length === 1 ? event.key.toLowerCase() : event.key];
@@ -332,7 +351,8 @@ class SystemPage {
     fillHelp(find<HTMLDialogElement>("keys"));
     document.addEventListener("keydown", (event) => this.keys(event));
     const { address, playing } = place();
-    if (address) {
+    const isTour = this.tours.isLink(address);
+    if (address && !isTour) {
       try {
         this.state = read(this.system, address);
       } catch (error) {
@@ -350,6 +370,7 @@ class SystemPage {
         if (update.say === "ended") tell(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
       }, (message) => tell(`The core refuses this: ${message}`));
       this.run();
+      if (isTour) this.tours.follow(address);
     } catch (error) {
       tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
     }
