@@ -273,8 +273,8 @@ export class SystemPage {
 
   private keys(event: KeyboardEvent): void {
     const target = event.target as HTMLElement;
-    if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog")) return;
-    if (event.key === " " && target.closest("button")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog, .formulas")) return;
+    if (event.key === " " && target.closest("button, summary")) return;
     const turn = event.shiftKey ? TURNS[event.key] : undefined;
     const view = /^[1-9]$/.test(event.key) ? this.views[Number(event.key) - 1] : undefined;
     const does: Readonly<Record<string, () => void>> = {

@@ -1,32 +1,33 @@
-/** The page's side of the worker that reads what is typed: one question at a time, the newest next, each with a limit of time. */
+/** The page's side of a worker that reads what is typed: one question at a time, the newest next, each with a limit of time. */
 
-import type { Draft } from "./draft";
-import Worker from "./compiler.worker?worker&inline";
-import type { Begun, Made, NotMade } from "./made";
-import type { ToCompiler } from "./compiler.worker";
+import type { FromWorker, ToWorker } from "../../worker/messages";
+import Worker from "../../worker/worker?worker&inline";
+import { BRACKETS, type Draft } from "./draft";
+import type { Begun, Made, NotMade, Question } from "./made";
 
 /** Milliseconds that somebody waits for a formula. */
 const LONGEST = 3_000;
 
-interface Question {
-  readonly draft: Draft;
-  readonly start: Begun | null;
-  readonly answer: (found: Made | NotMade) => void;
-}
+type Asked = Question & { readonly answer: (found: Made | NotMade) => void };
 
 export class Compiler {
   private worker: Worker | null = null;
-  private asked: Question | null = null;
-  private next: Question | null = null;
+  private asked: Asked | null = null;
+  private next: Asked | null = null;
   private number = 0;
   private limit = 0;
 
   /** `program` gives the bytes of the core anew for each worker. */
   constructor(private readonly program: () => Promise<ArrayBuffer>) {}
 
+  /** Whether everything has been answered. */
+  get rests(): boolean {
+    return this.asked === null;
+  }
+
   /** Asks for the system of a draft; only the newest question waits, and an older one is never answered. */
   async ask(draft: Draft, start: Begun | null, answer: (found: Made | NotMade) => void): Promise<void> {
-    this.next = { draft, start, answer };
+    this.next = { draft, listed: BRACKETS[draft.bracket] ?? null, start, answer };
     if (!this.asked) await this.begin();
   }
 
@@ -45,7 +46,8 @@ export class Compiler {
       this.stop();
       this.end(refused(question, `The formula took longer than ${LONGEST / 1000} seconds to read, and was given up. Write it shorter.`));
     }, LONGEST);
-    this.say({ say: "draft", number: this.number, draft: question.draft, start: question.start });
+    const { draft, listed, start } = question;
+    this.say({ say: "typed", number: this.number, question: { draft, listed, start } });
   }
 
   private async started(): Promise<void> {
@@ -54,13 +56,14 @@ export class Compiler {
     await new Promise<void>((ready, fail) => {
       worker.onmessage = () => ready();
       worker.onerror = (event) => fail(new Error(event.message || "its worker stopped"));
-      worker.postMessage({ say: "core", program } satisfies ToCompiler, [program]);
+      worker.postMessage({ say: "core", program } satisfies ToWorker, [program]);
     });
     this.worker = worker;
-    worker.onmessage = ({ data }: MessageEvent<{ number: number; found?: Made | NotMade; failed?: string }>) => {
-      if (data.number !== this.number || !this.asked) return;
-      if (data.failed !== undefined) this.stop();
-      this.end(data.found ?? refused(this.asked, `The core cannot read this: ${data.failed}.`));
+    worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
+      if (data.say !== "made" || data.number !== this.number || !this.asked) return;
+      // a core that has stopped is started anew
+      if (data.found === null) this.stop();
+      this.end(data.found ?? refused(this.asked, "The core cannot read this formula. Write it in another way."));
     };
   }
 
@@ -77,11 +80,11 @@ export class Compiler {
     this.worker = null;
   }
 
-  private say(message: ToCompiler): void {
+  private say(message: ToWorker): void {
     this.worker?.postMessage(message);
   }
 }
 
-function refused({ draft }: Question, message: string): NotMade {
+function refused({ draft }: Asked, message: string): NotMade {
   return { made: false, field: "hamiltonian", message, text: draft.hamiltonian, place: -1, offered: null };
 }

@@ -4,7 +4,7 @@ import { exact } from "../../state/exact";
 import { element, plain } from "../../symbols";
 import { BRACKETS, draftOf, EXAMPLES, KINDS, numbersOf, rangeOf, withNumber, type Draft, type Given } from "./draft";
 import { expression, math, name as symbolOf, pair, rate, sign } from "./mathml";
-import type { Made, NotMade } from "./made";
+import { words, type Made, type NotMade } from "./made";
 
 /** Letters of the formula that are shown around the wrong one. */
 const AROUND = 16;
@@ -76,7 +76,7 @@ export class Editor {
       this.example.value = "";
     });
     this.kind.addEventListener("change", () => this.turnTo(this.kind.value));
-    for (const [name, input] of Object.entries(this.fields)) input.addEventListener("input", () => this.set({ ...this.draft, [name]: input.value, start: [] }));
+    for (const [name, input] of Object.entries(this.fields)) input.addEventListener("input", () => this.set({ ...this.draft, [name]: input.value, start: name === "coordinates" ? [] : this.draft.start }));
     this.entries.addEventListener("input", () => this.set({ ...this.draft, entries: this.entries.value }));
     this.formula.addEventListener("input", () => this.set({ ...this.draft, hamiltonian: this.formula.value }));
   }
@@ -109,6 +109,7 @@ export class Editor {
     for (const [name, input] of Object.entries(this.fields)) input.value = draft[name as keyof typeof this.fields];
     this.entries.value = draft.entries;
     this.formula.value = draft.hamiltonian;
+    this.fields.momenta.placeholder = words(draft.coordinates).map((name) => `p_${name}`).join(", ");
     rows.coordinates.hidden = draft.bracket in BRACKETS;
     rows.momenta.hidden = rows.angles.hidden = draft.bracket !== "canonical";
     rows.entries.hidden = draft.bracket !== "tensor";
@@ -145,7 +146,7 @@ export class Editor {
   right(found: Made): Draft {
     for (const box of Object.values(this.wrongs)) box.hidden = true;
     for (const input of [this.formula, this.entries, ...Object.values(this.fields)]) input.removeAttribute("aria-invalid");
-    this.draft = { ...this.draft, parameters: { ...this.draft.parameters, ...withoutOlder(found.parameters, this.draft.parameters) } };
+    this.draft = { ...this.draft, parameters: { ...this.draft.parameters, ...found.parameters } };
     this.derived.classList.remove("old");
     this.sliders(found.parameters);
     this.equations(found);
@@ -248,17 +249,13 @@ function polynomial(text: string): Element[] {
   });
 }
 
-/** Values that the draft does not have yet. */
-function withoutOlder(found: Readonly<Record<string, Given>>, before: Readonly<Record<string, Given>>): Record<string, Given> {
-  return Object.fromEntries(Object.entries(found).filter(([name]) => !(name in before)));
-}
-
 function excerpt(text: string, place: number): HTMLElement {
   const from = Math.max(0, place - AROUND);
   const piece = text.slice(from, place + AROUND + 1).replaceAll("\n", " ");
   const [before, after] = [from > 0 ? "…" : "", text.length > place + AROUND + 1 ? "…" : ""];
   const shown = document.createElement("pre");
   shown.textContent = `${before}${piece}${after}\n${" ".repeat(before.length + place - from)}^`;
+  shown.setAttribute("role", "img");
   shown.setAttribute("aria-label", `at letter ${place + 1}`);
   return shown;
 }

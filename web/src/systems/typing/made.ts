@@ -2,7 +2,7 @@
 
 import { Refusal, type Core, type FunctionsDescription, type System, type SystemWritten } from "../../core/core.js";
 import { MOST_COMPONENTS, MOST_TERMS, sizeOf, type SurfaceDescription, type SystemDescription } from "../description";
-import { BRACKETS, checksum, type Draft, type Given } from "./draft";
+import type { Draft, Given, Listed } from "./draft";
 
 export interface Made {
   readonly made: true;
@@ -54,10 +54,17 @@ class Wrong extends Error {
   }
 }
 
-/** The system, or what is wrong. `start` is checked; without one the draft says where the orbit begins. */
-export function made(core: Core, draft: Draft, start: Begun | null): Made | NotMade {
+/** What is typed, with what the list has of its bracket, and where the orbit begins now, which is checked. */
+export interface Question {
+  readonly draft: Draft;
+  readonly listed: Listed | null;
+  readonly start: Begun | null;
+}
+
+/** The system, or what is wrong. */
+export function made(core: Core, { draft, listed, start }: Question): Made | NotMade {
   try {
-    return system(core, draft, start);
+    return system(core, draft, listed, start);
   } catch (error) {
     if (error instanceof Wrong) return { made: false, field: error.field, message: error.message, text: error.text, place: error.place, offered: error.offered };
     if (error instanceof Refusal) return { made: false, field: "hamiltonian", message: sentence(error.message), text: draft.hamiltonian, place: error.place, offered: null };
@@ -65,8 +72,8 @@ export function made(core: Core, draft: Draft, start: Begun | null): Made | NotM
   }
 }
 
-function system(core: Core, draft: Draft, start: Begun | null): Made {
-  const bracket = bracketOf(draft);
+function system(core: Core, draft: Draft, listed: Listed | null, start: Begun | null): Made {
+  const bracket = bracketOf(draft, listed);
   if (!draft.hamiltonian.trim()) throw new Wrong("hamiltonian", "Type a Hamiltonian, a formula in the coordinates, such as " + `${bracket.names[0]}^2/2.`);
   checkBracket(core, bracket, draft);
   const { typed, parameters } = withParameters(core, draft, bracket);
@@ -136,7 +143,7 @@ function withParameters(core: Core, draft: Draft, bracket: BracketMade): { typed
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       const next = missing.find((name) => !(name in parameters));
-      if (next === undefined) return { typed: ofVectors(core, { bracket: record as never, hamiltonian }, parameters, missing, fields, error), parameters };
+      if (next === undefined) return { typed: reshaped(core, { bracket: record as never, hamiltonian }, parameters, fields, error), parameters };
       // a name that is nearly one that is known is more likely mistyped
       const isOfTheBracket = !core.names(hamiltonian).includes(next);
       if (!isOfTheBracket && / (Did you mean|[A-Za-z_0-9]+ has \d+ components)/.test(error.message) && error.place === placeOf(hamiltonian, next)) {
@@ -147,18 +154,31 @@ function withParameters(core: Core, draft: Draft, bracket: BracketMade): { typed
   }
 }
 
-/** New parameters of which some are vectors, as inv(I)*l wants; what was wrong first is said where none fit. */
-function ofVectors(core: Core, system: { bracket: never; hamiltonian: string }, parameters: Record<string, Given>, missing: readonly string[], fields: BracketMade["fields"], first: Refusal): System {
+/** Parameters of which the shape is tried at most: each doubles the number of systems. */
+const MOST_SHAPES = 6;
+
+/**
+ * The system in which some parameters are vectors that were numbers, as inv(I)*l wants, or numbers that were vectors: as few
+ * as can be. What was wrong first is said where none fit.
+ */
+function reshaped(core: Core, system: { bracket: never; hamiltonian: string }, parameters: Record<string, Given>, fields: BracketMade["fields"], first: Refusal): System {
   const longest = Math.max(0, ...Object.values(fields).map((components) => components.length));
-  const lengths = missing.map((name) => {
+  const lengthOf = (name: string) => {
     const entries = [...system.hamiltonian.matchAll(new RegExp(`\\b${name}\\s*\\[\\s*(\\d{1,2})\\s*\\]`, "g"))].map(([, entry]) => Number(entry));
-    return entries.length ? Math.max(...entries) : longest;
-  });
-  const places = missing.slice(0, 5);
-  for (let choice = 1; choice < 2 ** places.length; choice++) {
-    places.forEach((name, k) => (parameters[name] = (choice >> k) & 1 && lengths[k] > 0 ? Array.from({ length: lengths[k] }, () => "1") : "1"));
+    return entries.length ? Math.max(1, ...entries) : longest;
+  };
+  const other = (name: string): Given => {
+    const given = parameters[name];
+    return typeof given === "string" ? Array.from({ length: lengthOf(name) }, () => given) : given[0];
+  };
+  const names = Object.keys(parameters).filter((name) => typeof parameters[name] !== "string" || lengthOf(name) > 0).slice(0, MOST_SHAPES);
+  const choices = Array.from({ length: 2 ** names.length - 1 }, (_, k) => names.filter((_name, place) => ((k + 1) >> place) & 1));
+  for (const chosen of choices.sort((a, b) => a.length - b.length)) {
+    const tried = { ...parameters, ...Object.fromEntries(chosen.map((name) => [name, other(name)])) };
     try {
-      return core.system({ ...system, parameters: parameters as never });
+      const typed = core.system({ ...system, parameters: tried as never });
+      Object.assign(parameters, tried);
+      return typed;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
     }
@@ -170,9 +190,9 @@ function placeOf(text: string, name: string): number {
   return new RegExp(`(?<![A-Za-z0-9_])${name}(?![A-Za-z0-9_])`).exec(text)?.index ?? -1;
 }
 
-function bracketOf(draft: Draft): BracketMade {
-  if (draft.bracket in BRACKETS) {
-    const { fields, terms, casimirs } = BRACKETS[draft.bracket];
+function bracketOf(draft: Draft, listed: Listed | null): BracketMade {
+  if (listed) {
+    const { fields, terms, casimirs } = listed;
     const names = Object.entries(fields).flatMap(([field, components]) => components.map((component) => field + component));
     const isOfThree = Object.values(fields).every((components) => components.length === 3);
     return { record: { name: "known", fields, terms }, names, length: isOfThree ? 3 : 1, angles: [], fields, formulas: [...new Set(terms.map((term) => term[3]))], casimirs };
@@ -248,7 +268,7 @@ function described(core: Core, typed: System, draft: Draft, { names, length, ang
   const isCanonical = draft.bracket === "canonical" && n > 2;
   return {
     version: 2,
-    id: checksum(draft),
+    id: "",
     name: draft.name || "A system of your own",
     words: "",
     components: names,

@@ -89,7 +89,8 @@ function quotient(over: readonly Written[], under: readonly Written[]): Element 
 /** Factors beside one another; in a fraction one alone needs no brackets. */
 function product(factors: readonly Written[], isAlone: boolean): Element {
   if (factors.length === 1 && isAlone) return expression(factors[0]);
-  const parts = factors.flatMap((factor, k) => {
+  const inOrder = [...factors.filter(isNumber), ...factors.filter((factor) => !isNumber(factor))];
+  const parts = inOrder.flatMap((factor, k) => {
     const inner = isSum(factor) ? bracketed(expression(factor)) : expression(factor);
     const times = k === 0 ? [] : [sign(isNumber(factor) ? "·" : "\u2062")];
     return [...times, inner];

@@ -42,13 +42,7 @@ export class TypedPage {
   }
 
   async begin(): Promise<void> {
-    const found = await this.ask(this.draft);
-    this.take(found);
-    // a picture there is, even where nothing can be made of what was typed
-    if (!found.made && !this.page) {
-      const example = await this.ask(draftOf(""));
-      if (example.made && !this.page) this.show(example, null);
-    }
+    void this.compiler.ask(this.draft, null, (found) => this.take(found));
     try {
       this.client = await Client.start((update) => this.page?.take(update), (message) => this.page?.refuse(message));
       this.page?.follow(this.client);
@@ -57,8 +51,12 @@ export class TypedPage {
     }
   }
 
-  private ask(draft: Draft): Promise<Made | NotMade> {
-    return new Promise((answer) => void this.compiler.ask(draft, this.start(), answer));
+  /** A picture there is, even where nothing can be made of what an address has. */
+  private showExample(): void {
+    const draft = draftOf("");
+    void this.compiler.ask(draft, null, (found) => {
+      if (found.made && !this.page) this.show({ ...found, system: { ...found.system, id: checksum(draft) } }, null);
+    });
   }
 
   private start() {
@@ -75,6 +73,7 @@ export class TypedPage {
   private take(found: Made | NotMade): void {
     if (!found.made) {
       this.editor.wrong(found);
+      if (!this.page) this.showExample();
       return;
     }
     this.draft = this.editor.right(found);
@@ -147,6 +146,11 @@ export class TypedPage {
       (dialog.querySelector("textarea") as HTMLTextAreaElement).value = lines;
       dialog.showModal();
     }
+  }
+
+  /** Whether all that was typed has been read. */
+  rests(): boolean {
+    return this.compiler.rests;
   }
 
   lines(): string {
