@@ -1,4 +1,4 @@
-"""Systems that are typed into the page, in Chromium: they have the numbers of Python; what is wrong is said in place."""
+"""Systems that are typed into the page, in Chromium: they have Python's numbers; what is wrong is said in place."""
 
 import importlib.util
 import json

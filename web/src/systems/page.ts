@@ -245,6 +245,11 @@ export class SystemPage {
         return button;
       }),
     );
+    document.querySelector(".skip")?.addEventListener("click", (event) => {
+      // the address is not for the place in the page
+      event.preventDefault();
+      find("scene").focus();
+    }, { signal });
     find("share").addEventListener("click", () => void this.share(), { signal });
     find("theme").addEventListener("click", () => this.nextTheme(), { signal });
     find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal(), { signal });

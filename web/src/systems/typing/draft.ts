@@ -1,6 +1,6 @@
 /** What somebody has typed: texts, right or wrong, from which a system is made, and which the address keeps. */
 
-import { exact } from "../../state/exact";
+import { exact, type Exact } from "../../state/exact";
 import { Refused } from "../../state/laboratory";
 import data from "../../data/systems.json";
 
@@ -72,7 +72,7 @@ const TEXTS = Object.keys(MOST) as (keyof typeof MOST)[];
 const MOST_PARAMETERS = 40;
 const MOST_ENTRIES = 20;
 const MOST_NUMBERS = 64;
-const NAME = /^[A-Za-z_][A-Za-z0-9_]{0,39}$/;
+const NAME = /^(?!__)[A-Za-z_][A-Za-z0-9_]{0,39}$/;
 
 export function draftOf(key: string): Draft {
   const example = EXAMPLES.find((one) => one.key === key) ?? EXAMPLES[0];
@@ -153,17 +153,18 @@ export function draftRead(address: string): { readonly draft: Draft; readonly re
   ) as Record<keyof typeof MOST, string>;
   if (!KINDS.some(([key]) => key === texts.bracket)) throw new Refused(`the address has an unknown bracket "${texts.bracket}"`);
   const parameters = pairs(query.get("parameters"), "parameters").map(([name, value]): [string, Given] => {
-    if (!value.includes(",")) return [name, value];
-    const entries = value.replace(/,$/, "").split(",");
+    if (!value.includes(",")) return [name, read(name, value).text];
+    const entries = value.replace(/,$/, "").split(",").map((entry) => read(name, entry).text);
     if (entries.length > MOST_ENTRIES) throw new Refused(`${name} has ${entries.length} entries; at most ${MOST_ENTRIES}`);
     return [name, entries];
   });
   const ranges = pairs(query.get("ranges"), "ranges").map(([name, value]): [string, Range] => {
     const [low, high, step, ...more] = value.split(",");
-    if (step === undefined || more.length) throw new Refused(`a range has a beginning, an end and a step; got ${value.slice(0, 40)}`);
+    const isRange = step !== undefined && more.length === 0 && read(name, low).value < read(name, high).value && read(name, step).value > 0;
+    if (!isRange) throw new Refused(`a slider goes from one number to a larger one, by steps above 0; got ${value.slice(0, 40)}`);
     return [name, [low, high, step]];
   });
-  const start = (query.get("from") ?? "").split(",").filter(Boolean);
+  const start = (query.get("from") ?? "").split(",").filter(Boolean).map((text) => read("from", text).text);
   if (start.length > MOST_NUMBERS) throw new Refused(`the start has ${start.length} numbers; at most ${MOST_NUMBERS}`);
   const unit = Number(query.get("unit") ?? "1");
   if (!(unit >= 1e-6 && unit <= 1e6)) throw new Refused("the unit of time lies between 1e-6 and 1e6");
@@ -171,6 +172,14 @@ export function draftRead(address: string): { readonly draft: Draft; readonly re
   if (query.get("sum") !== checksum(draft)) throw new Refused("the address was damaged or cut on its way: its checksum is wrong. Ask for it again");
   for (const name of ["own", ...TEXTS, "parameters", "ranges", "from", "unit", "sum"]) query.delete(name);
   return { draft, rest: query.toString() };
+}
+
+function read(name: string, text: string): Exact {
+  try {
+    return exact(text);
+  } catch (error) {
+    throw new Refused(`${name}: ${(error as Error).message}`);
+  }
 }
 
 function pairs(text: string | null, what: string): [string, string][] {

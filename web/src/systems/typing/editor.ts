@@ -97,9 +97,9 @@ export class Editor {
     this.change(draft);
   }
 
-  /** What is typed is no longer what an example is called. */
-  private set(draft: Draft): void {
-    this.draft = { ...draft, name: "" };
+  /** What is typed is no longer what an example is called; with other numbers it still is. */
+  private set(draft: Draft, name = ""): void {
+    this.draft = { ...draft, name };
     this.change(this.draft);
   }
 
@@ -186,7 +186,7 @@ export class Editor {
     slider.setAttribute("aria-label", plain(name));
     const input = textInput(`${plain(name)}, exact value`, "");
     const ends = ["from", "to", "step"].map((word) => textInput(`${plain(name)}, slider ${word}`, word));
-    const set = (text: string) => this.set(withNumber(this.draft, of, place, text));
+    const set = (text: string) => this.set(withNumber(this.draft, of, place, text), this.draft.name);
     // the range stays while the slider moves, and after that as it was
     const keepRange = () => {
       if (name in this.draft.ranges) return;
@@ -207,7 +207,7 @@ export class Editor {
         const range = this.draft.ranges[name].with(k, text);
         const [low, high, step] = range.map((one) => exact(one).value);
         if (!(low < high && step > 0)) throw new Error("a slider goes from one number to a larger one, by steps above 0");
-        this.set({ ...this.draft, ranges: { ...this.draft.ranges, [name]: [range[0], range[1], range[2]] } });
+        this.set({ ...this.draft, ranges: { ...this.draft.ranges, [name]: [range[0], range[1], range[2]] } }, this.draft.name);
       }),
     );
     return { name, slider, input, ends };

@@ -15,7 +15,9 @@ import type { Made, NotMade } from "./made";
 
 export class TypedPage {
   private draft: Draft;
+  /** The last system that could be made, and what was typed for it. */
   private made: Made | null = null;
+  private good: Draft;
   private page: SystemPage | null = null;
   private client: Client | null = null;
   private readonly compiler = new Compiler(program);
@@ -32,6 +34,7 @@ export class TypedPage {
     } catch (error) {
       tell(`This address cannot be read: ${(error as Error).message}. The page begins with an example instead.`);
     }
+    this.good = this.draft;
     const file = button("System file", "Save as a file that the Python package reads", () => this.save());
     this.editor = new Editor(this.draft, (draft) => this.change(draft), [file]);
     const python = document.getElementById("python") as HTMLElement;
@@ -55,7 +58,9 @@ export class TypedPage {
   private showExample(): void {
     const draft = draftOf("");
     void this.compiler.ask(draft, null, (found) => {
-      if (found.made && !this.page) this.show({ ...found, system: { ...found.system, id: checksum(draft) } }, null);
+      if (!found.made || this.page) return;
+      this.good = draft;
+      this.show({ ...found, system: { ...found.system, id: checksum(draft) } }, null);
     });
   }
 
@@ -76,13 +81,16 @@ export class TypedPage {
       if (!this.page) this.showExample();
       return;
     }
-    this.draft = this.editor.right(found);
+    this.draft = this.good = this.editor.right(found);
     const system = { ...found.system, id: checksum(this.draft) };
     const made = { ...found, system };
     let state: SystemState | null = null;
     if (this.rest) {
       try {
-        state = read(system, this.rest);
+        const query = new URLSearchParams(this.rest);
+        // the formula may have been mended since, of the draft that the address has
+        query.set("system", system.id);
+        state = read(system, query.toString());
       } catch (error) {
         tell(`The state in this address cannot be read: ${(error as Error).message}. The system is shown from its own start.`);
       }
@@ -133,7 +141,7 @@ export class TypedPage {
   }
 
   private save(): void {
-    if (this.made) save("system.toml", new Blob([systemFile(this.draft, this.made)], { type: "application/toml" }));
+    if (this.made) save("system.toml", new Blob([this.file()], { type: "application/toml" }));
   }
 
   private async python(): Promise<void> {
@@ -154,11 +162,11 @@ export class TypedPage {
   }
 
   lines(): string {
-    return this.made && this.page ? asPython(this.draft, this.made, this.page.now) : "";
+    return this.made && this.page ? asPython(this.good, this.made, this.page.now) : "";
   }
 
   file(): string {
-    return this.made ? systemFile(this.draft, this.made) : "";
+    return this.made ? systemFile(this.good, this.made) : "";
   }
 }
 
