@@ -61,8 +61,9 @@ export class Editor {
     this.entries.setAttribute("aria-describedby", "wrong-bracket");
     const { bracket, hamiltonian } = this.wrongs;
     const { rows } = this;
+    const title = Object.assign(document.createElement("h2"), { className: "unseen", textContent: "The system" });
     this.element.append(
-      this.example, heading("Bracket"), this.kind, rows.coordinates, rows.momenta, rows.angles, rows.entries, bracket,
+      title, this.example, heading("Bracket"), this.kind, rows.coordinates, rows.momenta, rows.angles, rows.entries, bracket,
       heading("Hamiltonian"), this.formula, hamiltonian, this.parameters, this.derived, row(files),
     );
     this.listen();

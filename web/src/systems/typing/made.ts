@@ -137,6 +137,8 @@ function withParameters(core: Core, draft: Draft, bracket: BracketMade): { typed
   }
   const parameters = used(draft.parameters, wanted);
   const missing = unknown(wanted, bracket, parameters);
+  // the core takes names of the bracket for symbols
+  for (const name of unknown(allNames(core, formulas), bracket, parameters)) parameters[name] = "1";
   for (;;) {
     try {
       return { typed: core.system({ bracket: record as never, hamiltonian, parameters: parameters as never }), parameters };
@@ -145,8 +147,7 @@ function withParameters(core: Core, draft: Draft, bracket: BracketMade): { typed
       const next = missing.find((name) => !(name in parameters));
       if (next === undefined) return { typed: reshaped(core, { bracket: record as never, hamiltonian }, parameters, fields, error), parameters };
       // a name that is nearly one that is known is more likely mistyped
-      const isOfTheBracket = !core.names(hamiltonian).includes(next);
-      if (!isOfTheBracket && / (Did you mean|[A-Za-z_0-9]+ has \d+ components)/.test(error.message) && error.place === placeOf(hamiltonian, next)) {
+      if (/ (Did you mean|[A-Za-z_0-9]+ has \d+ components)/.test(error.message) && error.place === placeOf(hamiltonian, next)) {
         throw new Wrong("hamiltonian", sentence(error.message), hamiltonian, error.place, next);
       }
       parameters[next] = "1";
