@@ -20,7 +20,7 @@ async function opened(address, viewport = { width: 1440, height: 900 }) {
   tab.on("pageerror", (error) => wrong.push(`error: ${error.message}`));
   tab.on("console", (message) => message.type() === "error" && wrong.push(message.text()));
   tab.on("request", (request) => !/^(file|data|blob):/.test(request.url()) && wrong.push(`request: ${request.url()}`));
-  await tab.goto(`${page}?quality=low${address}`);
+  await tab.goto(`${page}?still=0&quality=low${address}`);
   await tab.waitForFunction(() => window.laboratory?.results().names.length > 0, null, { timeout: 60_000 });
   return tab;
 }
@@ -38,7 +38,7 @@ const readOut = (tab) => tab.evaluate(() => {
 });
 
 async function typeInto(tab, label, text) {
-  await tab.getByLabel(label, { exact: true }).fill(text, { timeout: 5_000 });
+  await tab.getByLabel(label, { exact: true }).fill(text);
 }
 
 for (const { name, bracket, fields = {}, hamiltonian, parameters = {}, start, until } of wanted.systems) {

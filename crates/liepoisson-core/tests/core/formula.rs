@@ -248,7 +248,7 @@ fn typed_tensor(entries: &[(usize, usize, &str)]) -> Bracket {
 
 #[test]
 fn jacobis_identity_of_a_typed_tensor_is_shown_by_multiplying_out() {
-    let made = |entries| System::new(typed_tensor(entries), "x^2/2 + exp(y)", &[], &[]);
+    let made = |entries: &[(usize, usize, &str)]| System::new(typed_tensor(entries), "x^2/2 + exp(y)", &[], &[]);
     // f grad C is a Poisson tensor in three dimensions, whatever f and C
     for entries in [
         [(0, 1, "z"), (1, 2, "x"), (0, 2, "-y")],

@@ -279,11 +279,10 @@ function readNumber(input: HTMLInputElement, set: (text: string) => void): void 
 function parameterRow(name: string, slider: HTMLInputElement, input: HTMLInputElement, ends: readonly HTMLInputElement[]): HTMLElement {
   const found = document.createElement("div");
   found.className = "parameter";
-  const more = document.createElement("details");
-  const summary = document.createElement("summary");
-  summary.textContent = "⋯";
-  summary.title = "Range and step of the slider";
-  summary.setAttribute("aria-label", `range of ${plain(name)}`);
+  const more = document.createElement("button");
+  Object.assign(more, { type: "button", textContent: "⋯", title: "Range and step of the slider" });
+  more.setAttribute("aria-label", `range of ${plain(name)}`);
+  more.setAttribute("aria-expanded", "false");
   const range = document.createElement("div");
   const words = ["from", "to", "step"].map((word, k) => {
     const label = document.createElement("label");
@@ -291,8 +290,12 @@ function parameterRow(name: string, slider: HTMLInputElement, input: HTMLInputEl
     return label;
   });
   range.append(...words);
-  more.append(summary, range);
-  found.append(element(name), slider, input, more);
+  range.hidden = true;
+  more.addEventListener("click", () => {
+    range.hidden = !range.hidden;
+    more.setAttribute("aria-expanded", String(!range.hidden));
+  });
+  found.append(element(name), slider, input, more, range);
   return found;
 }
 

@@ -33,8 +33,10 @@ export function name(text: string): Element {
 /** The rate of change of a coordinate: with a dot, on the letter alone where something is below it. */
 export function rate(text: string): Element {
   const { letter, index } = symbol(text);
-  const dotted = make("mover", make("mi", letter), sign("˙"));
-  dotted.setAttribute("accent", "true");
+  const dot = sign(".");
+  // that of a period has its place in every font; it is no separator here
+  for (const side of ["lspace", "rspace"]) dot.setAttribute(side, "0");
+  const dotted = make("mover", make("mi", letter), dot);
   if (!index) return dotted;
   const below = make(/^\d+$/.test(index) ? "mn" : "mi", index);
   below.setAttribute("class", "small");
