@@ -53,8 +53,8 @@ SYSTEMS = [
         "bracket": "so3",
         "hamiltonian": TOP.replace("I1", "A").replace("I2", "B").replace("I3", "C"),
         "parameters": {"A": "1", "B": "2", "C": "5/2"},
-        "start": ["1", "2", "1/3"],
-        "until": 60,
+        "start": ["0.5", "0.3", "2"],
+        "until": 150,
     },
     {
         "name": "heavy top",
@@ -70,7 +70,7 @@ SYSTEMS = [
         "hamiltonian": "dot(l, inv(I)*l)/2 - a*alpha1",
         "parameters": {"ε": "1/3", "I₁": "2", "I₂": "2", "I₃": "1", "a": "1"},
         "start": ["0.3", "0.2", "0.5", "1", "0", "0", "0", "1", "0"],
-        "until": 60,
+        "until": 300,
     },
     {
         "name": "own bracket",
@@ -78,8 +78,8 @@ SYSTEMS = [
         "fields": {"coordinates": "x, y, z", "entries of the bracket, one a line": OWN},
         "hamiltonian": "x^2/2 + y^2/4 + z^2/5",
         "parameters": {"c": "1/2"},
-        "start": ["1", "0.4", "0.6"],
-        "until": 40,
+        "start": ["0.4", "0.3", "1"],
+        "until": 500,
     },
 ]  # fmt: skip
 MISTAKES = {
