@@ -61,7 +61,7 @@ SYSTEMS = [
         "bracket": "e3",
         "hamiltonian": "dot(l, inv(I)*l)/2 + dot(a, alpha)",
         "parameters": {"I₁": "2", "I₂": "3/2", "I₃": "1", "a₁": "0.6", "a₂": "0", "a₃": "0.8"},
-        "start": ["1", "0.5", "0.2", "0", "0.6", "0.8"],
+        "start": ["1", "2", "3", "1", "1", "-1"],
         "until": 60,
     },
     {
@@ -83,7 +83,7 @@ SYSTEMS = [
     },
 ]  # fmt: skip
 MISTAKES = {
-    "dot(l, inv(I)*l)/2 + dot(a, alpah)": ("Did you mean alpha?", 29),
+    "dot(l, inv(I)*l)/2 + dot(a, alpah)": ("Did you mean alpha?", 28),
     "dot(l, inv(I)*l)/2 + alpha4": ("alpha has 3 components", 21),
     "dot(l, l)/2 + ": ("", 14),
     "dot(l, l)/2 + sen(alpha1)": ("sin", 14),

@@ -1,7 +1,7 @@
 //! Formulas: the table that Python's reader is tested with, too; fields against difference quotients; laws of brackets.
 
 use liepoisson_core::field::Functions;
-use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, System, Written};
+use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, System};
 use proptest::prelude::*;
 
 /// Relative error of a value that is computed in some tens of operations.
@@ -237,41 +237,6 @@ fn entries_of_a_bracket_may_be_functions_of_the_state() {
     let typed = Bracket::new(Coordinates::Scalars(names), vec![Entry { i: 0, j: 1, m: None, c: "x".to_owned() }]);
     let refusal = System::new(typed.unwrap(), "x", &[], &[]).unwrap_err();
     assert!(refusal.message.contains("must not depend on the state"), "{refusal}");
-}
-
-/// A tensor that a user has typed.
-fn typed_tensor(entries: &[(usize, usize, &str)]) -> Bracket {
-    let names = ["x", "y", "z"].map(str::to_owned).to_vec();
-    let entries: Vec<_> = entries.iter().map(|&(i, j, c)| (i, j, c.to_owned())).collect();
-    Bracket::tensor(Coordinates::Scalars(names), &entries).unwrap()
-}
-
-#[test]
-fn jacobis_identity_of_a_typed_tensor_is_shown_by_multiplying_out() {
-    let made = |entries: &[(usize, usize, &str)]| System::new(typed_tensor(entries), "x^2/2 + exp(y)", &[], &[]);
-    // f grad C is a Poisson tensor in three dimensions, whatever f and C
-    for entries in [
-        [(0, 1, "z"), (1, 2, "x"), (0, 2, "-y")],
-        [(0, 1, "x*y"), (1, 2, "y*z"), (0, 2, "-x*z")],
-        [(0, 1, "exp(x)*z"), (1, 2, "exp(x)*x"), (0, 2, "-exp(x)*y")],
-        [(0, 1, "1/(1 + x^2)"), (1, 2, "0"), (0, 2, "0")],
-    ] {
-        assert!(made(&entries).is_ok(), "{entries:?}");
-    }
-    // {x, {y, z}} + {y, {z, x}} + {z, {x, y}} = 2 x y
-    for entries in [[(0, 1, "x^2"), (1, 2, "y"), (0, 2, "0")], [(0, 1, "cos(z)"), (1, 2, "x"), (0, 2, "y")]] {
-        let refusal = made(&entries).unwrap_err();
-        assert!(refusal.message.contains("does not show it of x, y and z"), "{entries:?}: {refusal}");
-    }
-}
-
-#[test]
-fn what_is_written_is_not_longer_than_it_may_be() {
-    let system = System::new(Bracket::canonical(1).unwrap(), "p1^2/2 - g*cos(q1)", &[], &["g".to_owned()]).unwrap();
-    let written = system.written(100).unwrap().unwrap();
-    assert_eq!(written.rates.iter().map(|rate| rate.to_string()).collect::<Vec<_>>(), system.equations().unwrap());
-    assert_eq!(written.tensor, [(0, 1, Written::Number("1".to_owned()))]);
-    assert_eq!(system.written(3).unwrap(), None);
 }
 
 #[test]
