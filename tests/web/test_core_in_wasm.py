@@ -386,6 +386,7 @@ NAMES = [
     "section: surface with a sine",
     "section: angle modulo a turn",
     "exponents: top",
+    "a system is written as trees that the core derives",
     "typed: Hénon–Heiles",
     "typed: twisted top",
     "typed: double pendulum",

@@ -1,8 +1,9 @@
-/** The page of tops, or where the page carries a system, that of this system; in a window or in a notebook. */
+/** The page of tops; where the page carries a system, that of this system; where one is typed, that; in a window or in a notebook. */
 
 import { isInNotebook, opened } from "./notebook/notebook";
 import { place, standIn } from "./state/place";
 import { CARRIED } from "./systems/description";
+import { isTyped } from "./systems/typing/draft";
 
 async function start(): Promise<void> {
   if (isInNotebook(window, location.protocol)) {
@@ -16,8 +17,21 @@ async function start(): Promise<void> {
     if (address && location.hash.length < 2) history.replaceState(null, "", `#${address}`);
   }
   if (place().query.get("embed") === "1") document.documentElement.dataset.embed = "1";
-  if (document.getElementById(CARRIED)) await import("./systems/page");
-  else await import("./main");
+  if (document.getElementById(CARRIED)) (await import("./systems/page")).start();
+  else if (isTyped(location.hash)) await typed();
+  else {
+    addEventListener("hashchange", () => isTyped(location.hash) && location.reload());
+    await import("./main");
+  }
+}
+
+/** The page of a system that is typed; another page has another address. */
+async function typed(): Promise<void> {
+  const { TypedPage } = await import("./systems/typing/typed");
+  addEventListener("hashchange", () => location.reload());
+  const page = new TypedPage();
+  Object.assign(window, { typed: page });
+  await page.begin();
 }
 
 /** Puts a description where a page has it that was made with one: as text, which is never markup. */

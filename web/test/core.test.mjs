@@ -87,7 +87,10 @@ for (const { name, description, equations, start, times, state, bounds, section,
     const run = core.orbits(field, method, start, times);
     assert.deepEqual(run.outcome, ["finished"]);
     assertClose(run.state, state.flat(), bounds, "state");
+    const again = core.orbits(core.field(system.fieldRecord), method, start, times);
+    assert.deepEqual(again.state, run.state);
     const surface = system.functions(section.surface);
+    assert.deepEqual(core.functions(system.functionsRecord(section.surface)).values(state.flat()), surface.values(state.flat()));
     const found = core.section(field, method, surface, start, { to: section.end, direction: 1 });
     assert.deepEqual([...found.crossings.count], section.count);
     assertClose(found.crossings.time, section.time, section.bounds, "time");
@@ -96,6 +99,20 @@ for (const { name, description, equations, start, times, state, bounds, section,
     assertClose(grown.exponent, exponent.value, exponent.bounds, "exponent");
   });
 }
+
+test("a system is written as trees that the core derives", async () => {
+  const core = await Core.start(program);
+  const bracket = { name: "tensor", coordinates: ["x", "y", "z"], entries: [[0, 1, "x*y"], [1, 2, "y*z"], [0, 2, "-(z*x)"]] };
+  const species = core.system({ bracket, hamiltonian: "x + y + z/(2*a)", parameters: { a: "3" } });
+  const { names, energy, rates, tensor } = species.written;
+  assert.deepEqual(names, ["x", "y", "z"]);
+  assert.deepEqual(energy, ["+", [["+", "x"], ["+", "y"], ["+", ["/", ["z"], ["a", ["number", "2"]]]]]]);
+  assert.deepEqual(rates[0], ["+", [["+", ["/", ["x", "y"], []]], ["-", ["/", ["x", "z"], ["a", ["number", "2"]]]]]]);
+  assert.deepEqual(tensor[0], [0, 1, ["/", ["x", "y"], []]]);
+  assert.deepEqual(core.names("dot(l, inv(I)*l)/2 + pi*a[1]*cos(theta)"), ["l", "I", "a", "theta"]);
+  const broken = { ...bracket, entries: [[0, 1, "x^2"], [1, 2, "y*z"]] };
+  assert.throws(() => core.system({ bracket: broken, hamiltonian: "x" }), (error) => /Jacobi/.test(error.message) && error.place === -1);
+});
 
 test("a formula that is refused says where", async () => {
   const core = await Core.start(program);

@@ -1,4 +1,4 @@
-// Takes pictures of pages that are files: node test/systems_pictures.mjs FOLDER NAME=FILE;theme;width;height;view ...
+// Takes pictures of pages that are files, perhaps with an address: node test/systems_pictures.mjs FOLDER NAME=FILE#...;theme;width;height;view ...
 
 import { mkdirSync } from "node:fs";
 import { resolve } from "node:path";
@@ -15,7 +15,8 @@ for (const picture of wanted) {
   tab.on("console", (message) => ["error", "warning"].includes(message.type()) && console.log(name, message.type(), message.text().slice(0, 300)));
   tab.on("pageerror", (error) => console.log(name, "error:", error.message));
   tab.on("request", (request) => !/^(file|data|blob):/.test(request.url()) && console.log(name, "request:", request.url()));
-  await tab.goto(`file://${resolve(file)}?still=2490&quality=full`);
+  const [path, hash] = file.split(/(#.*)/);
+  await tab.goto(`file://${resolve(path)}?still=2490&quality=full${hash ?? ""}`);
   const begun = Date.now();
   if (view) await tab.locator(`#presets button[data-key="${view}"]`).click();
   await tab.waitForSelector("html[data-ready]", { timeout: 60_000, state: "attached" }).catch(() => console.log(name, "is not ready"));

@@ -14,7 +14,8 @@ use crate::error::Error;
 use crate::field::{Functions, Instruction, Quadratic, Tape, Top};
 #[doc(inline)]
 pub use liepoisson_formula::{
-    Bracket, Coordinates, Entry, Given, Lines, Lowered, Printed, Rational, Refusal, Scope, System,
+    Bracket, Coordinates, Entry, Given, Lines, Lowered, Printed, Rational, Refusal, Scope, System, SystemWritten,
+    Written, names_of,
 };
 
 impl TryFrom<Lowered> for AnyField {

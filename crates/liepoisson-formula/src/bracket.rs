@@ -29,8 +29,19 @@ pub struct Entry {
 pub struct Bracket {
     pub(super) coordinates: Coordinates,
     pub(super) entries: Vec<Entry>,
-    /// Whether Jacobi's identity holds by construction.
-    pub(super) is_known: bool,
+    /// What is known of Jacobi's identity.
+    pub(super) jacobi: Jacobi,
+}
+
+/// What is known of Jacobi's identity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Jacobi {
+    /// It holds by construction.
+    Known,
+    /// It is to be checked, of structure constants and of constant parts.
+    OfConstants,
+    /// It is to be checked, of functions of the state.
+    OfFunctions,
 }
 
 impl Bracket {
@@ -40,7 +51,7 @@ impl Bracket {
     /// A coordinate that is not there, or a term of a pair that is not in order.
     pub fn new(coordinates: Coordinates, entries: Vec<Entry>) -> Result<Bracket, Refusal> {
         check_count(coordinates.names().len(), "coordinates", MOST_CHECKED)?;
-        Ok(Bracket { is_known: false, ..Bracket::known(coordinates, entries)? })
+        Ok(Bracket { jacobi: Jacobi::OfConstants, ..Bracket::known(coordinates, entries)? })
     }
 
     /// The same for a bracket whose Jacobi identity is known to hold.
@@ -58,7 +69,7 @@ impl Bracket {
                 )));
             }
         }
-        Ok(Bracket { coordinates, entries, is_known: true })
+        Ok(Bracket { coordinates, entries, jacobi: Jacobi::Known })
     }
 
     /// The canonical bracket `{q_i, p_j} = delta_ij` of so many degrees of freedom: vectors `q` and `p`.
@@ -94,7 +105,7 @@ impl Bracket {
 
     fn of_pairs(coordinates: Coordinates, n: usize) -> Bracket {
         let entries = (0..n).map(|k| Entry { i: k, j: n + k, m: None, c: "1".to_owned() }).collect();
-        Bracket { coordinates, entries, is_known: true }
+        Bracket { coordinates, entries, jacobi: Jacobi::Known }
     }
 
     /// The bracket of so(3) with the semidirect product of `n - 1` vectors: the rigid body, the heavy top on e(3), the charged
@@ -126,7 +137,7 @@ impl Bracket {
                 }
             }
         }
-        Ok(Bracket { coordinates: Coordinates::Vectors(fields), entries, is_known: true })
+        Ok(Bracket { coordinates: Coordinates::Vectors(fields), entries, jacobi: Jacobi::Known })
     }
 
     /// The minus Lie-Poisson bracket of a Lie algebra, `{x_i, x_j} = - sum of c x_k`, of constants `(i, j, k, c)` with
@@ -141,6 +152,16 @@ impl Bracket {
         let entry =
             |(i, j, k, c): &(usize, usize, usize, String)| Entry { i: *i, j: *j, m: Some(*k), c: format!("-({c})") };
         Bracket::new(coordinates, constants.iter().map(entry).collect())
+    }
+
+    /// The bracket of a Poisson tensor, whose entries `{x_i, x_j}`, `i < j`, may be any smooth functions of the state.
+    ///
+    /// # Errors
+    /// As [`Bracket::new`].
+    pub fn tensor(coordinates: Coordinates, functions: &[(usize, usize, String)]) -> Result<Bracket, Refusal> {
+        let entry = |(i, j, c): &(usize, usize, String)| Entry { i: *i, j: *j, m: None, c: c.clone() };
+        let bracket = Bracket::new(coordinates, functions.iter().map(entry).collect())?;
+        Ok(Bracket { jacobi: Jacobi::OfFunctions, ..bracket })
     }
 
     /// The coordinates, as formulas call them.

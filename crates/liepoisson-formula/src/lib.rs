@@ -37,4 +37,5 @@ pub use printed::Printed;
 pub use rational::Rational;
 pub use refusal::Refusal;
 pub use scope::{Coordinates, Given, Scope};
-pub use system::System;
+pub use system::{System, SystemWritten, names_of};
+pub use text::Written;

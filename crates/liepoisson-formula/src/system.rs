@@ -1,8 +1,10 @@
 //! A Hamiltonian system that is typed: a bracket, a formula, parameters; its field `x' = J(x) grad H`.
 
-use super::bracket::Bracket;
+use super::bracket::{Bracket, Jacobi};
+use super::cancellation::MOST_TERMS;
 use super::constant::constant;
-use super::expand::expanded;
+use super::derivative::derivative;
+use super::expand::{expanded, n_terms};
 use super::field::{
     Lowered, Terms, depends_on_state, equations_of_degree_two, field_of_hamiltonian, quadratic, rates, tape,
     tape_of_hamiltonian,
@@ -14,6 +16,7 @@ use super::rational::Rational;
 use super::reader::Reading;
 use super::refusal::Refusal;
 use super::scope::{Given, Scope};
+use super::text::Written;
 use super::top;
 use std::collections::BTreeMap;
 
@@ -63,8 +66,12 @@ impl System {
             let mut graph = system.graph();
             system.read(&mut graph, &system.text, &system.tree, insert_values, false)?;
             let terms = system.terms(&mut graph, insert_values)?;
-            if insert_values && !system.bracket.is_known {
-                system.check_jacobi(&mut graph, &terms)?;
+            if insert_values {
+                match system.bracket.jacobi {
+                    Jacobi::Known => {}
+                    Jacobi::OfConstants => system.check_jacobi(&mut graph, &terms)?,
+                    Jacobi::OfFunctions => system.check_jacobi_of_functions(&mut graph, &terms)?,
+                }
             }
         }
         Ok(system)
@@ -85,6 +92,30 @@ impl System {
         let terms = self.terms(&mut graph, false)?;
         let rates = rates(&mut graph, self.n(), energy, &terms)?;
         Ok(rates.into_iter().map(|rate| graph.shown(rate, &self.scope.symbols)).collect())
+    }
+
+    /// The Hamiltonian, the rates of change and the entries `{x_i, x_j}` of the Poisson tensor that are not zero, as they are
+    /// written, with the parameters by name; `None` where that would be more than `most` parts.
+    ///
+    /// # Errors
+    /// A system that is too large.
+    pub fn written(&self, most: u64) -> Result<Option<SystemWritten>, Refusal> {
+        let mut graph = self.graph();
+        let energy = self.read(&mut graph, &self.text, &self.tree, false, false)?;
+        let terms = self.terms(&mut graph, false)?;
+        let rates = rates(&mut graph, self.n(), energy, &terms)?;
+        let entries = entries_of_tensor(&mut graph, &terms);
+        let all: Vec<Node> =
+            [energy].into_iter().chain(rates.iter().copied()).chain(entries.values().copied()).collect();
+        if graph.written_size(&all) > most {
+            return Ok(None);
+        }
+        let written = |node: Node| graph.written(node, &self.scope.symbols);
+        Ok(Some(SystemWritten {
+            energy: written(energy),
+            rates: rates.into_iter().map(written).collect(),
+            tensor: entries.into_iter().map(|((i, j), entry)| (i, j, written(entry))).collect(),
+        }))
     }
 
     /// The names of the parameters on which the Hamiltonian depends, and of its symbols without value.
@@ -176,7 +207,7 @@ impl System {
             let c = self.read(graph, &entry.c, tree, insert_values, false)?;
             let is_constant = graph.symbols(c).first().is_none_or(|&symbol| symbol >= self.n());
             // what is not checked for Jacobi's identity may be any function of the state
-            if !is_constant && (entry.m.is_some() || !self.bracket.is_known) {
+            if !is_constant && (entry.m.is_some() || self.bracket.jacobi == Jacobi::OfConstants) {
                 return Err(Refusal::new("a structure constant must not depend on the state", &entry.c, 0));
             }
             if !graph.is_zero(c) {
@@ -239,6 +270,39 @@ impl System {
         Ok(())
     }
 
+    /// Refuses entries of a tensor of which Jacobi's identity is not shown by multiplying out.
+    fn check_jacobi_of_functions(&self, graph: &mut Graph, terms: &Terms) -> Result<(), Refusal> {
+        let n = self.n();
+        let entries = entries_of_tensor(graph, terms);
+        let entry = |graph: &mut Graph, i: usize, j: usize| match entries.get(&(i.min(j), i.max(j))) {
+            Some(&entry) if i < j => entry,
+            Some(&entry) => graph.negated(entry),
+            None => graph.integer(0),
+        };
+        for (i, j, k) in (0..n).flat_map(|i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| (i, j, k)))) {
+            let mut terms = vec![];
+            for (a, b, c) in [(i, j, k), (j, k, i), (k, i, j)] {
+                let inner = entry(graph, b, c);
+                for l in graph.symbols(inner).into_iter().filter(|&l| l < n) {
+                    let (outside, slope) = (entry(graph, a, l), derivative(graph, inner, l));
+                    terms.push((graph.times(outside, slope), Rational::one()));
+                }
+            }
+            let sum = graph.sum(Rational::zero(), &terms);
+            let is_short = n_terms(graph, sum) <= MOST_TERMS as u64;
+            let sum = if is_short { expanded(graph, sum) } else { sum };
+            if !graph.symbols(sum).is_empty() || !constant(graph, sum).number().is_zero() {
+                let names = self.coordinates();
+                return Err(Refusal::general(format!(
+                    "a bracket must satisfy Jacobi's identity; multiplying out does not show it of {}, {} and {}. Check the \
+                     entries of the tensor.",
+                    names[i], names[j], names[k]
+                )));
+            }
+        }
+        Ok(())
+    }
+
     /// The top that has these equations.
     fn top(&self, graph: &Graph, equations: &top::Terms, terms: &Terms) -> Option<top::Parameters> {
         if self.n() != 9 {
@@ -249,6 +313,55 @@ impl System {
         let strength = of_alpha.map(|term| constant(graph, term.3).number().negated());
         top::recognised(equations, &strength.unwrap_or_else(Rational::zero))
     }
+}
+
+/// A system as it is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SystemWritten {
+    /// The Hamiltonian.
+    pub energy: Written,
+    /// The rates of change, one for each coordinate.
+    pub rates: Vec<Written>,
+    /// The entries `{x_i, x_j}`, `i < j`, that are not zero.
+    pub tensor: Vec<(usize, usize, Written)>,
+}
+
+/// The entries `{x_i, x_j}`, `i < j`, that are not zero.
+fn entries_of_tensor(graph: &mut Graph, terms: &Terms) -> BTreeMap<(usize, usize), Node> {
+    let mut sums: BTreeMap<(usize, usize), Vec<(Node, Rational)>> = BTreeMap::new();
+    for &(i, j, m, c) in terms {
+        let term = match m {
+            Some(m) => {
+                let coordinate = graph.symbol(m);
+                graph.times(c, coordinate)
+            }
+            None => c,
+        };
+        sums.entry((i, j)).or_default().push((term, Rational::one()));
+    }
+    let mut entries = BTreeMap::new();
+    for (pair, terms) in sums {
+        let sum = graph.sum(Rational::zero(), &terms);
+        if !graph.is_zero(sum) {
+            entries.insert(pair, sum);
+        }
+    }
+    entries
+}
+
+/// The names in a formula that are not those of functions, each once, in order.
+///
+/// # Errors
+/// A formula that is not in the grammar, with its place.
+pub fn names_of(formula: &str) -> Result<Vec<String>, Refusal> {
+    let (mut names, mut found) = (vec![], vec![]);
+    names_in(&parse(formula)?, &mut names);
+    for name in names {
+        if name != super::names::PI && !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    Ok(found)
 }
 
 /// The scope of a system, in which names that only the bracket has are declared.

@@ -13,6 +13,7 @@ mod refusal;
 mod runs;
 mod table;
 mod typed;
+mod written;
 
 use crate::refusal::{Kind, Refusal};
 use crate::table::{Thing, keep, say};
@@ -20,6 +21,7 @@ use liepoisson_core::analysis::filled;
 use liepoisson_core::choice::AnyField;
 use liepoisson_core::ensemble::Outcome;
 use liepoisson_core::field::Functions;
+use liepoisson_core::formula::{Lines, names_of};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -55,7 +57,7 @@ fn table(table: runs::Table) -> Thing {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_start() -> i32 {
     std::panic::set_hook(Box::new(|panic| say(panic.to_string())));
-    4
+    5
 }
 
 /// Room for a text.
@@ -164,6 +166,34 @@ pub extern "C" fn lp_system_equations(system: i32) -> i32 {
     answer(run())
 }
 
+/// A system as it is written: its coordinates, Hamiltonian, equations and Poisson tensor as JSON.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system_written(system: i32) -> i32 {
+    answer(table::system(system).and_then(|system| text(written::system(&system)?)))
+}
+
+/// The record of the field of a system: JSON that [`lp_field`] reads.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system_field_record(system: i32) -> i32 {
+    answer(table::system(system).and_then(|system| text(written::field(&system.field()?))))
+}
+
+/// The record of functions on the phase space of a system, from their texts: JSON that [`lp_functions`] reads.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system_functions_record(system: i32, description: i32) -> i32 {
+    answer(functions_of(system, description).and_then(|lines| text(written::functions(&lines))))
+}
+
+/// The names in a formula that are not those of functions, one a line.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_names(formula: i32) -> i32 {
+    let run = || {
+        let bytes = table::bytes(formula)?;
+        text(names_of(&typed::read_text(&bytes.borrow())?)?.join("\n"))
+    };
+    answer(run())
+}
+
 /// The field of a system.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_system_field(system: i32) -> i32 {
@@ -173,13 +203,15 @@ pub extern "C" fn lp_system_field(system: i32) -> i32 {
 /// Functions on the phase space of a system, from their texts.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_system_functions(system: i32, description: i32) -> i32 {
-    let run = || {
-        let (system, description) = (table::system(system)?, table::bytes(description)?);
-        let texts = typed::read_texts(&description.borrow())?;
-        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        Ok(Thing::Functions(Rc::new(Functions::try_from(system.functions(&texts)?)?)))
-    };
+    let run = || Ok(Thing::Functions(Rc::new(Functions::try_from(functions_of(system, description)?)?)));
     answer(run())
+}
+
+fn functions_of(system: i32, description: i32) -> Result<Lines, Refusal> {
+    let (system, description) = (table::system(system)?, table::bytes(description)?);
+    let texts = typed::read_texts(&description.borrow())?;
+    let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+    Ok(system.functions(&texts)?)
 }
 
 /// Components of the state of a field or of functions; 0 of anything else.

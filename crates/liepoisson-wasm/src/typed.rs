@@ -3,7 +3,7 @@
 use crate::describe::{Part, Record};
 use crate::json::Value;
 use crate::refusal::{Kind, Refusal};
-use liepoisson_core::formula::{Bracket, Coordinates, Given, System};
+use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, System};
 
 /// A system.
 pub(crate) fn read_system(text: &[u8]) -> Result<System, Refusal> {
@@ -23,8 +23,14 @@ pub(crate) fn read_texts(text: &[u8]) -> Result<Vec<String>, Refusal> {
     record.get("functions")?.each(Part::owned)
 }
 
+/// The text of one formula.
+pub(crate) fn read_text(text: &[u8]) -> Result<String, Refusal> {
+    Record::read("formula", text)?.get("formula")?.owned()
+}
+
 /// A bracket by its name: `canonical` with `n` or `coordinates` (and `momenta`), `so3`, `e3`, `semidirect` and `leibniz` with `n`
-/// (and `epsilon`), `lie_poisson` with `coordinates` or `fields` and `constants`.
+/// (and `epsilon`), `lie_poisson` with `coordinates` or `fields` and `constants`, `tensor` with these and `entries`; and `known`
+/// with `terms` that the package has written, whose Jacobi identity holds.
 fn read_bracket(part: Part) -> Result<Bracket, Refusal> {
     let record = part.record()?;
     let count = || record.get("n")?.whole();
@@ -45,23 +51,43 @@ fn read_bracket(part: Part) -> Result<Bracket, Refusal> {
             Bracket::leibniz(count()?, &epsilon)?
         }
         "lie_poisson" => {
-            let coordinates = match record.optional("fields") {
-                Some(fields) => Coordinates::Vectors(
-                    fields
-                        .entries()?
-                        .into_iter()
-                        .map(|field| Ok((field.name.to_owned(), field.each(Part::owned)?)))
-                        .collect::<Result<_, Refusal>>()?,
-                ),
-                None => Coordinates::Scalars(names()?),
-            };
             let constants = record.get("constants")?.each(|entry| {
                 let [i, j, k, c] = entry.items()?;
                 Ok((i.whole()?, j.whole()?, k.whole()?, c.owned()?))
             })?;
-            Bracket::lie_poisson(coordinates, &constants)?
+            Bracket::lie_poisson(read_coordinates(&record)?, &constants)?
         }
-        other => return Err(record.unknown(other, "canonical, so3, e3, semidirect, leibniz or lie_poisson")),
+        "tensor" => {
+            let entries = record.get("entries")?.each(|entry| {
+                let [i, j, c] = entry.items()?;
+                Ok((i.whole()?, j.whole()?, c.owned()?))
+            })?;
+            Bracket::tensor(read_coordinates(&record)?, &entries)?
+        }
+        "known" => {
+            let terms = record.get("terms")?.each(|entry| {
+                let [i, j, m, c] = entry.items()?;
+                Ok(Entry { i: i.whole()?, j: j.whole()?, m: Some(m.whole()?), c: c.owned()? })
+            })?;
+            Bracket::known(read_coordinates(&record)?, terms)?
+        }
+        other => {
+            return Err(record.unknown(other, "canonical, so3, e3, semidirect, leibniz, lie_poisson, tensor or known"));
+        }
+    })
+}
+
+/// Vectors, each with the names of its components, or scalars.
+fn read_coordinates(record: &Record) -> Result<Coordinates, Refusal> {
+    Ok(match record.optional("fields") {
+        Some(fields) => Coordinates::Vectors(
+            fields
+                .entries()?
+                .into_iter()
+                .map(|field| Ok((field.name.to_owned(), field.each(Part::owned)?)))
+                .collect::<Result<_, Refusal>>()?,
+        ),
+        None => Coordinates::Scalars(record.get("coordinates")?.each(Part::owned)?),
     })
 }
 

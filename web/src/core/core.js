@@ -10,6 +10,8 @@
  */
 
 /** @typedef {ArrayLike<number>} Numbers */
+/** @typedef {string | [string, ...any[]]} Written an expression: a name, or a list that begins with what it is */
+/** @typedef {{names: string[], energy: Written | null, rates: Written[] | null, tensor: [number, number, Written][] | null}} SystemWritten */
 /** @typedef {{kind: "top", inertia: Numbers, a: Numbers, b: Numbers, epsilon: number}} TopDescription */
 /** @typedef {{kind: "quadratic" | "tape" | "pieces", n_components: number}} OtherDescription as Python writes it */
 /** @typedef {TopDescription | OtherDescription} FieldDescription */
@@ -18,8 +20,11 @@
  * @typedef {{name: "canonical", n: number} | {name: "canonical", coordinates: string[], momenta?: string[]}
  *   | {name: "so3" | "e3"} | {name: "semidirect", n: number} | {name: "leibniz", n: number, epsilon?: Exact}
  *   | {name: "lie_poisson", coordinates: string[], constants: [number, number, number, Exact][]}
- *   | {name: "lie_poisson", fields: Record<string, string[]>, constants: [number, number, number, Exact][]}} BracketDescription
- *   constants (i, j, k, c) with [e_i, e_j] = sum of c e_k, i < j, counted from 0
+ *   | {name: "lie_poisson", fields: Record<string, string[]>, constants: [number, number, number, Exact][]}
+ *   | {name: "tensor", coordinates: string[], entries: [number, number, string][]}
+ *   | {name: "known", fields: Record<string, string[]>, terms: [number, number, number, string][]}} BracketDescription
+ *   constants (i, j, k, c) with [e_i, e_j] = sum of c e_k, i < j, counted from 0; entries (i, j, c) with {x_i, x_j} = c, a
+ *   formula; terms (i, j, m, c) with {x_i, x_j} = sum of c x_m, of brackets that the package has written
  */
 /**
  * @typedef {{bracket: BracketDescription, hamiltonian: string,
@@ -73,7 +78,7 @@ export class CoreStopped extends Error {
 }
 
 /** The version of the interface that this file is written for. */
-const INTERFACE = 4;
+const INTERFACE = 5;
 
 /** What has a place in the memory of the core, which is given back by `free`, or when nothing refers to it any more. */
 class Held {
@@ -133,6 +138,22 @@ export class System extends Held {
   get equations() {
     const lines = this.core.text(this.core.call("lp_system_equations", this.handle)).split("\n");
     return lines.map((line) => line.split("\t")).map(([name, rate]) => ({ name, rate }));
+  }
+
+  /** Its coordinates, and as trees its Hamiltonian, equations and Poisson tensor; null where they are very long. @returns {SystemWritten} */
+  get written() {
+    return JSON.parse(this.core.text(this.core.call("lp_system_written", this.handle)));
+  }
+
+  /** The record of its field, for another instance. @returns {FieldDescription} */
+  get fieldRecord() {
+    return JSON.parse(this.core.text(this.core.call("lp_system_field_record", this.handle)));
+  }
+
+  /** The record of functions on its phase space. @param {...string} texts @returns {FunctionsDescription} */
+  functionsRecord(...texts) {
+    const call = (/** @type {number} */ at) => this.core.call("lp_system_functions_record", this.handle, at);
+    return JSON.parse(this.core.text(this.core.written({ functions: texts }, call)));
   }
 
   /** Its field. */
@@ -217,6 +238,11 @@ export class Core {
   /** @param {SystemDescription | string} description */
   system(description) {
     return new System(this, this.described("lp_system", description));
+  }
+
+  /** The names in a formula that are not those of functions. @param {string} formula @returns {string[]} */
+  names(formula) {
+    return this.text(this.described("lp_names", { formula })).split("\n").filter(Boolean);
   }
 
   /** @param {MethodDescription | string} description */

@@ -89,6 +89,14 @@ export class Plot {
     return this.up(within(value, this.y.turn ?? null));
   }
 
+  /** The point at a place between axes that are not logarithmic; null beside them. */
+  point(px: number, py: number): readonly [number, number] | null {
+    if (!this.holds(px, py)) return null;
+    const [x, y] = [this.x.range, this.y.range];
+    const [right, up] = [(px - LEFT) / (this.width - LEFT - RIGHT), (this.height - BOTTOM - py) / (this.height - TOP - BOTTOM)];
+    return [x[0] + right * (x[1] - x[0]), y[0] + up * (y[1] - y[0])];
+  }
+
   private across(value: number): number {
     return LEFT + part(this.x, value) * (this.width - LEFT - RIGHT);
   }

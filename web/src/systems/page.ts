@@ -1,4 +1,4 @@
-/** The page of a system that it carries: holds the state, hands it to the panels, and the orbit to the worker. */
+/** The page of a system that it carries or that is typed: holds the state, hands it to the panels, and the orbit to the worker. */
 
 import "../style/page.css";
 import "./systems.css";
@@ -10,11 +10,12 @@ import { SectionPanel } from "../panels/section";
 import { Tours } from "../panels/tour";
 import { Results } from "../results";
 import type { Charted } from "../state/charted";
-import { shortest } from "../state/exact";
+import { shortest, type Exact } from "../state/exact";
 import { THEMES } from "../state/laboratory";
 import { place, withPartsOf } from "../state/place";
 import { palette as currentPalette, type Palette } from "../style/palette";
 import { Client } from "../worker/client";
+import type { Update } from "../worker/messages";
 import { inWords } from "./comparison";
 import { SystemControls } from "./controls";
 import { CARRIED, described, type SystemDescription } from "./description";
@@ -40,7 +41,7 @@ const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("sti
 const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
 
 /** A message, which stays until it is closed; "" closes it. */
-function tell(message: string): void {
+export function tell(message: string): void {
   const box = find("message");
   (box.firstElementChild as HTMLElement).textContent = message;
   box.hidden = message === "";
@@ -50,9 +51,10 @@ const say = (text: string) => (find("said").textContent = text);
 
 document.documentElement.dataset.page = "system";
 find("message").querySelector("button")?.addEventListener("click", () => tell(""));
+fillHelp(find<HTMLDialogElement>("keys"));
 
 /** What the page shows, once it is known that it can. */
-class SystemPage {
+export class SystemPage {
   private readonly clock;
   private state: SystemState;
   private results: Results;
@@ -70,7 +72,11 @@ class SystemPage {
   private readonly views: readonly View[];
   private readonly tours: Tours<SystemState>;
 
-  constructor(private readonly system: SystemDescription) {
+  /** Ends what listens to the window, and the frames. */
+  private readonly gone = new AbortController();
+
+  /** `address` gives the whole address where that of the state is a part of it. */
+  constructor(private system: SystemDescription, private readonly address: (() => string) | null = null) {
     const clock = (this.clock = clockOf(system));
     this.ranges = new Ranges(system.turns);
     this.views = viewsOf(system);
@@ -83,6 +89,7 @@ class SystemPage {
     this.flat = new FlatView(panel, system, clock);
     this.section = new SectionPanel(find("section"), (state) => this.startAt(state), say, system, clock);
     this.portrait = new PortraitPanel(find("portrait"), system, clock);
+    if (address) this.startsByClick();
     this.lyapunov = new LyapunovPanel(find("lyapunov"), clock);
     this.drift = new DriftPanel(find("drift"), clock);
     this.tours = new Tours(find<HTMLDialogElement>("tours"), find<HTMLDialogElement>("tour"), {
@@ -100,6 +107,38 @@ class SystemPage {
     this.state = withPartsOf(before, state);
     if (!sameRun(before, this.state)) this.run();
     this.show();
+  }
+
+  get now(): SystemState {
+    return this.state;
+  }
+
+  /** Another system with the same components; `start` where its orbit does not begin where that of the last one did. */
+  replace(system: SystemDescription, start: readonly Exact[] | null): void {
+    this.system = system;
+    this.state = { ...this.state, time: 0, start: start ?? this.state.start };
+    this.name();
+    this.run();
+    this.show();
+  }
+
+  /** Leaves its panels to another page. */
+  leave(): void {
+    this.gone.abort();
+    this.space.free();
+  }
+
+  /** A click into the portrait starts an orbit with these two components. */
+  private startsByClick(): void {
+    const { plot } = this.portrait;
+    plot.canvas.classList.add("starts");
+    plot.canvas.addEventListener("click", (event) => {
+      const point = plot.point(event.offsetX, event.offsetY);
+      if (!point) return;
+      const start = this.state.start.map((one) => one.value);
+      this.state.axes.forEach((axis, k) => (start[axis] = point[k]));
+      this.startAt(start, "a new orbit starts at this point");
+    });
   }
 
   /** The one way in which the state changes. */
@@ -124,10 +163,10 @@ class SystemPage {
     this.client?.run({ system: this.system, start: start.map((one) => one.value), surface, direction, tol: tol.value, horizon, saved: this.system.saved });
   }
 
-  private startAt(state: ArrayLike<number>): void {
+  private startAt(state: ArrayLike<number>, words = "a new orbit starts at the crossing"): void {
     try {
       this.act({ do: "start at", state: Array.from(state, shortest) });
-      say("a new orbit starts at the crossing");
+      say(words);
     } catch (error) {
       tell((error as Error).message);
     }
@@ -155,7 +194,12 @@ class SystemPage {
     this.legend(colours);
     find("section-h").textContent = isStroboscopic(system, state.surface) ? "Stroboscopic map" : "Poincaré section";
     this.space.dirty = true;
-    place().keep(() => written(system, this.state), state.playing);
+    place().keep(() => this.whole(), state.playing);
+  }
+
+  /** The whole address. */
+  private whole(): string {
+    return this.address?.() ?? written(this.system, this.state);
   }
 
   private isFlat(): boolean {
@@ -186,11 +230,17 @@ class SystemPage {
     this.show();
   }
 
-  private header(): void {
+  private name(): void {
     const { system } = this;
     document.title = `${system.name} · liepoisson`;
     find("title").textContent = system.name;
     find("subtitle").textContent = `${counted(system)}${system.saved ? ", with a saved result" : ""}`;
+  }
+
+  private header(): void {
+    const { system } = this;
+    const { signal } = this.gone;
+    this.name();
     (document.querySelector(".skip") as HTMLElement).textContent = "Skip to the motion";
     const nav = find("presets");
     nav.setAttribute("aria-label", "Views");
@@ -212,19 +262,24 @@ class SystemPage {
         return button;
       }),
     );
-    find("share").addEventListener("click", () => void this.share());
-    find("theme").addEventListener("click", () => this.nextTheme());
-    find("guide").addEventListener("click", () => this.tours.choose());
-    find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
-    find("play").addEventListener("click", () => this.act({ do: "play", playing: !this.state.playing }));
-    find("restart").addEventListener("click", () => this.act({ do: "time", time: 0 }));
-    find("step").addEventListener("click", () => this.step(1));
-    find("speed").addEventListener("input", (event) => this.act({ do: "speed", speed: 2 ** Number((event.target as HTMLInputElement).value) }));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show());
+    document.querySelector(".skip")?.addEventListener("click", (event) => {
+      // the address is not for the place in the page
+      event.preventDefault();
+      find("scene").focus();
+    }, { signal });
+    find("share").addEventListener("click", () => void this.share(), { signal });
+    find("theme").addEventListener("click", () => this.nextTheme(), { signal });
+    find("guide").addEventListener("click", () => this.tours.choose(), { signal });
+    find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal(), { signal });
+    find("play").addEventListener("click", () => this.act({ do: "play", playing: !this.state.playing }), { signal });
+    find("restart").addEventListener("click", () => this.act({ do: "time", time: 0 }), { signal });
+    find("step").addEventListener("click", () => this.step(1), { signal });
+    find("speed").addEventListener("input", (event) => this.act({ do: "speed", speed: 2 ** Number((event.target as HTMLInputElement).value) }), { signal });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show(), { signal });
   }
 
   private async share(): Promise<void> {
-    tell(await place().share(written(this.system, this.state)));
+    tell(await place().share(this.whole()));
   }
 
   private nextTheme(): void {
@@ -241,8 +296,8 @@ class SystemPage {
 
   private keys(event: KeyboardEvent): void {
     const target = event.target as HTMLElement;
-    if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog")) return;
-    if (event.key === " " && target.closest("button")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog, .formulas")) return;
+    if (event.key === " " && target.closest("button, summary")) return;
     const turn = event.shiftKey ? TURNS[event.key] : undefined;
     const view = /^[1-9]$/.test(event.key) ? this.views[Number(event.key) - 1] : undefined;
     const does: Readonly<Record<string, () => void>> = {
@@ -268,6 +323,7 @@ class SystemPage {
   private readonly spent: number[] = [];
 
   private frame(now: number): void {
+    if (this.gone.signal.aborted) return;
     const began = performance.now();
     const passed = Math.min((now - this.before) / 1000, 0.1);
     this.before = now;
@@ -346,30 +402,49 @@ class SystemPage {
     c.restore();
   }
 
-  async begin(): Promise<void> {
+  /** Shows a state, and begins to draw. */
+  open(state: SystemState): void {
+    this.state = state;
     this.header();
-    fillHelp(find<HTMLDialogElement>("keys"));
-    document.addEventListener("keydown", (event) => this.keys(event));
-    const { address, playing } = place();
+    document.addEventListener("keydown", (event) => this.keys(event), { signal: this.gone.signal });
+    const { playing } = place();
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) this.state = { ...this.state, playing: false };
+    Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent] } });
+    this.show();
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  /** What the worker has found. */
+  take(update: Update): void {
+    this.results.take(update);
+    if (update.say === "ended") tell(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
+  }
+
+  refuse(message: string): void {
+    tell(`The core refuses this: ${message}`);
+  }
+
+  /** Has its orbits computed by a worker. */
+  follow(client: Client): void {
+    this.client = client;
+    this.run();
+  }
+
+  async begin(): Promise<void> {
+    const { address } = place();
+    let { state } = this;
     const isTour = this.tours.isLink(address);
     if (address && !isTour) {
       try {
-        this.state = read(this.system, address);
+        state = read(this.system, address);
       } catch (error) {
         tell(`This address cannot be read: ${(error as Error).message}. The page shows the start that it carries instead.`);
       }
     }
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) this.state = { ...this.state, playing: false };
     place().follow({ adopt: (...said) => this.adopt(...said), tell });
-    Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent] } });
-    this.show();
-    requestAnimationFrame((now) => this.frame(now));
+    this.open(state);
     try {
-      this.client = await Client.start((update) => {
-        this.results.take(update);
-        if (update.say === "ended") tell(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
-      }, (message) => tell(`The core refuses this: ${message}`));
-      this.run();
+      this.follow(await Client.start((update) => this.take(update), (message) => this.refuse(message)));
       if (isTour) this.tours.follow(address);
     } catch (error) {
       tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
@@ -384,7 +459,8 @@ function shortened(name: string): string {
 
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
 
-function start(): void {
+/** The page of the system that it carries. */
+export function start(): void {
   let page: SystemPage;
   try {
     page = new SystemPage(described(document.getElementById(CARRIED)?.textContent ?? ""));
@@ -397,5 +473,3 @@ function start(): void {
   }
   void page.begin();
 }
-
-start();

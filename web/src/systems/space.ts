@@ -60,6 +60,14 @@ export class SpaceView {
     this.resize();
   }
 
+  /** Gives the context of the canvas back, of which a browser has few. */
+  free(): void {
+    if (!this.works) return;
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+
   private begin(quality: "low" | "full" | null): boolean {
     try {
       this.renderer = new WebGLRenderer({ antialias: quality !== "low", alpha: true, preserveDrawingBuffer: true });

@@ -6,7 +6,7 @@ import type { Projected } from "./projection";
 import Worker from "./worker?worker&inline";
 
 /** The core, unpacked. */
-async function program(): Promise<ArrayBuffer> {
+export async function program(): Promise<ArrayBuffer> {
   const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Response(stream).arrayBuffer();

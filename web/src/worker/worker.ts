@@ -1,6 +1,7 @@
 /** The worker: takes jobs, works in slices, and waits when the page has not yet seen what it was sent. */
 
 import { Core, Refusal } from "../core/core.js";
+import { made } from "../systems/typing/made";
 import { Computation } from "./computation";
 import { projected } from "./projection";
 import type { FromWorker, ToWorker } from "./messages";
@@ -43,6 +44,9 @@ self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
     case "project":
       project(data);
       break;
+    case "typed":
+      read(data);
+      break;
     case "seen":
       unseen -= 1;
       break;
@@ -71,6 +75,15 @@ function project({ number, job, wanted }: Extract<ToWorker, { say: "project" }>)
     say({ say: "projected", number, ...projected(core as Core, job, wanted) });
   } catch (error) {
     say({ say: "not projected", number, message: error instanceof Error ? error.message : String(error) });
+  }
+}
+
+/** What is wrong with a formula is an answer; anything else is a mistake in the core. */
+function read({ number, question }: Extract<ToWorker, { say: "typed" }>): void {
+  try {
+    say({ say: "made", number, found: made(core as Core, question) });
+  } catch {
+    say({ say: "made", number, found: null });
   }
 }
 

@@ -1,0 +1,178 @@
+/** The page of a system that is typed: a draft, the last system that could be made of it, and the page that shows this. */
+
+import { exact } from "../../state/exact";
+import { place } from "../../state/place";
+import { save } from "../../export/menu";
+import { Client, program } from "../../worker/client";
+import { SystemPage, tell } from "../page";
+import { begun, type SystemState } from "../state";
+import { read, written } from "../url";
+import { Compiler } from "./compiler";
+import { checksum, draftOf, draftRead, draftWritten, isTyped, type Draft } from "./draft";
+import { Editor } from "./editor";
+import { asPython, systemFile } from "./files";
+import type { Made, NotMade } from "./made";
+
+export class TypedPage {
+  private draft: Draft;
+  /** The last system that could be made, and what was typed for it. */
+  private made: Made | null = null;
+  private good: Draft;
+  private page: SystemPage | null = null;
+  private client: Client | null = null;
+  private readonly compiler = new Compiler(program);
+  private readonly editor: Editor;
+  /** The empty panels, from which those of another system are made. */
+  private readonly empty = document.querySelector("main") as HTMLElement;
+  private rest = "";
+
+  constructor() {
+    document.documentElement.dataset.typed = "1";
+    this.draft = draftOf("");
+    try {
+      ({ draft: this.draft, rest: this.rest } = draftRead(place().address));
+    } catch (error) {
+      tell(`This address cannot be read: ${(error as Error).message}. The page begins with an example instead.`);
+    }
+    this.good = this.draft;
+    const file = button("System file", "Save as a file that the Python package reads", () => this.save());
+    this.editor = new Editor(this.draft, (draft) => this.change(draft), [file]);
+    const python = document.getElementById("python") as HTMLElement;
+    python.addEventListener("click", () => void this.python());
+    addEventListener("pagehide", () => {
+      if (isTyped(location.hash)) history.replaceState(null, "", `#${this.address()}`);
+    });
+  }
+
+  async begin(): Promise<void> {
+    void this.compiler.ask(this.draft, null, (found) => this.take(found));
+    try {
+      this.client = await Client.start((update) => this.page?.take(update), (message) => this.page?.refuse(message));
+      this.page?.follow(this.client);
+    } catch (error) {
+      tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
+    }
+  }
+
+  /** A picture there is, even where nothing can be made of what an address has. */
+  private showExample(): void {
+    const draft = draftOf("");
+    void this.compiler.ask(draft, null, (found) => {
+      if (!found.made || this.page) return;
+      this.good = draft;
+      this.show({ ...found, system: { ...found.system, id: checksum(draft) } }, null);
+    });
+  }
+
+  private start() {
+    const state = this.page?.now;
+    return state && this.made ? { names: this.made.system.components, values: state.start.map(({ value }) => value) } : null;
+  }
+
+  private change(draft: Draft): void {
+    this.draft = draft;
+    void this.compiler.ask(draft, this.start(), (found) => this.take(found));
+    place().keep(() => this.address(), false);
+  }
+
+  private take(found: Made | NotMade): void {
+    if (!found.made) {
+      this.editor.wrong(found);
+      if (!this.page) this.showExample();
+      return;
+    }
+    this.draft = this.good = this.editor.right(found);
+    const system = { ...found.system, id: checksum(this.draft) };
+    const made = { ...found, system };
+    let state: SystemState | null = null;
+    if (this.rest) {
+      try {
+        const query = new URLSearchParams(this.rest);
+        // the formula may have been mended since, of the draft that the address has
+        query.set("system", system.id);
+        state = read(system, query.toString());
+      } catch (error) {
+        tell(`The state in this address cannot be read: ${(error as Error).message}. The system is shown from its own start.`);
+      }
+      this.rest = "";
+    }
+    this.show(made, state);
+  }
+
+  /** Shows a system: with the same components in the same panels, else in new ones. */
+  private show(made: Made, state: SystemState | null): void {
+    const before = this.made?.system;
+    const { system } = made;
+    const shape = (one: typeof system) => JSON.stringify([one.components, one.turns, one.vector_length, one.unit, one.invariants?.names]);
+    const isSame = before !== undefined && shape(before) === shape(system);
+    this.made = made;
+    if (this.page && isSame && state === null) {
+      // an example begins where it begins
+      const own = before.start.join() !== system.start.join() ? system.start.map(exact) : null;
+      this.page.replace(system, own);
+    } else {
+      this.anew(made, state);
+    }
+  }
+
+  private anew({ system }: Made, state: SystemState | null): void {
+    const focused = document.activeElement as HTMLElement | null;
+    const { theme, playing, speed } = this.page?.now ?? begun(system);
+    this.page?.leave();
+    const panels = this.page ? (this.template.cloneNode(true) as HTMLElement) : this.empty;
+    if (this.page) document.querySelector("main")?.replaceWith(panels);
+    else this.template = this.empty.cloneNode(true) as HTMLElement;
+    panels.querySelector("#controls")?.append(this.editor.element);
+    this.page = new SystemPage(system, () => this.address());
+    this.page.open(state ?? { ...begun(system), theme, playing, speed });
+    if (this.client) this.page.follow(this.client);
+    if (focused && this.editor.element.contains(focused)) focused.focus();
+  }
+
+  private template!: HTMLElement;
+
+  /** The draft and the state, as they are now. */
+  private address(): string {
+    const draft = draftWritten(this.draft).toString();
+    if (!this.page || !this.made) return draft;
+    const state = new URLSearchParams(written(this.made.system, this.page.now));
+    state.set("system", checksum(this.draft));
+    return `${draft}&${state}`.replaceAll("%2C", ",").replaceAll("%2F", "/").replaceAll("%3A", ":").replaceAll("%3B", ";").replaceAll("%5E", "^").replaceAll("%28", "(").replaceAll("%29", ")");
+  }
+
+  private save(): void {
+    if (this.made) save("system.toml", new Blob([this.file()], { type: "application/toml" }));
+  }
+
+  private async python(): Promise<void> {
+    const lines = this.lines();
+    try {
+      await navigator.clipboard.writeText(lines);
+      tell("The lines of Python that compute this orbit are copied.");
+    } catch {
+      const dialog = document.getElementById("lines") as HTMLDialogElement;
+      (dialog.querySelector("textarea") as HTMLTextAreaElement).value = lines;
+      dialog.showModal();
+    }
+  }
+
+  /** Whether all that was typed has been read. */
+  rests(): boolean {
+    return this.compiler.rests;
+  }
+
+  lines(): string {
+    return this.made && this.page ? asPython(this.good, this.made, this.page.now) : "";
+  }
+
+  file(): string {
+    return this.made ? systemFile(this.good, this.made) : "";
+  }
+}
+
+function button(text: string, title: string, act: () => void): HTMLButtonElement {
+  const found = document.createElement("button");
+  Object.assign(found, { type: "button", textContent: text, title });
+  found.addEventListener("click", act);
+  return found;
+}
