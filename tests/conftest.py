@@ -80,7 +80,7 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture(scope="module", autouse=True)
 def nothing_is_left_behind():
-    """Tests write into temporary folders: none leaves a file or a folder in that in which they run, but cargo its own."""
+    """Tests write into temporary folders: none leaves anything in that in which they run, but cargo its own folder."""
     before = {*ROOT.iterdir(), ROOT / "target"}
     yield
     left = sorted(path.name for path in set(ROOT.iterdir()) - before if not path.name.startswith("."))

@@ -14,7 +14,7 @@ from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.damping.damped_system import DampedSystem, Damping
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError
 from liepoisson.formula.parameters import Value, read_parameter
-from liepoisson.formula.scope import Scope
+from liepoisson.formula.scope import Scope, read_declaration
 from liepoisson.formula.toml_text import TomlText, parse_toml
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.model.hamiltonian import is_expression, scope_of

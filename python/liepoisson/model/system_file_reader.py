@@ -5,7 +5,7 @@ The format is described in `liepoisson.model.system_file`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
