@@ -156,8 +156,9 @@ def _computed(spectrum: bool, noise: dict[str, Any] | None) -> Callable[..., Any
 def _drawn(result: FiniteTimeExponents | Spectrum | NoisyExponents) -> Figure:
     """The mean exponent against time, or the spectrum of the first orbit that finished; with noise the exponents."""
     from liepoisson.indicators.spectrum import Spectrum
+    from liepoisson.noise.noisy_exponents import NoisyExponents
 
-    if hasattr(result, "noises"):
+    if isinstance(result, NoisyExponents):
         from liepoisson.plot.results import draw as draw_result
 
         return draw_result(result)

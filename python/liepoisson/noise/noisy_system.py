@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -145,7 +146,7 @@ class NoisyFile(EquationsFile):
     name: str
     quiet: SystemFile
     noises: tuple[str, ...]
-    inverse_temperature: Exact | str = 0
+    inverse_temperature: Exact | str = Fraction(0)
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     symbols: tuple[str, ...] = ()
     integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral], hash=False)

@@ -34,10 +34,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
+    from liepoisson.noise.noisy_orbits import NoisyOrbits
     from liepoisson.numeric.integrate import Orbit
 
 FloatArray: TypeAlias = NDArray[np.float64]
-OrbitLike: TypeAlias = "Orbit | Dataset"
+OrbitLike: TypeAlias = "Orbit | NoisyOrbits | Dataset"
 
 _COLOURS = {"l": ANGULAR_MOMENTUM, "alpha": FIRST_FIELD, "beta": SECOND_FIELD}
 _TINTS = (-0.45, 0.0, 0.5)

@@ -688,5 +688,6 @@ def _axis_label(coordinate: str | ArrayLike, turn: _Turn | None) -> str:
     """The coordinate as mathematical text; of what was brought into one turn the label says so."""
     if not isinstance(coordinate, str):
         return ""
-    is_cut = turn is not None and not _is_angle_formula(coordinate)
-    return formula(coordinate) + (f" (mod ${turn.text}$)" if is_cut else "")
+    if turn is None or _is_angle_formula(coordinate):
+        return formula(coordinate)
+    return f"{formula(coordinate)} (mod ${turn.text}$)"
