@@ -8,7 +8,7 @@ import { asPython } from "./export/python";
 import { attitudeOf } from "./panels/attitude";
 import { ControlsPanel } from "./panels/controls";
 import { DriftPanel } from "./panels/drift";
-import { fillHelp } from "./panels/help";
+import { fillHelp, openHelp } from "./panels/help";
 import { LyapunovPanel } from "./panels/lyapunov";
 import { PortraitPanel } from "./panels/portrait";
 import { ScenePanel } from "./panels/scene";
@@ -190,7 +190,7 @@ function header(): void {
   find("python").addEventListener("click", python);
   find("guide").addEventListener("click", () => tours.choose());
   find("theme").addEventListener("click", nextTheme);
-  find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
+  find("help").addEventListener("click", () => openHelp(find<HTMLDialogElement>("keys")));
   find("message").querySelector("button")?.addEventListener("click", () => tell(""));
   find("play").addEventListener("click", () => act({ do: "play", playing: !lab.playing }));
   find("restart").addEventListener("click", () => act({ do: "time", time: 0 }));
@@ -253,7 +253,7 @@ const KEYS: Readonly<Record<string, () => void>> = {
   s: () => void share(),
   p: () => void python(),
   h: () => tours.choose(),
-  "?": () => find<HTMLDialogElement>("keys").showModal(),
+  "?": () => openHelp(find<HTMLDialogElement>("keys")),
 };
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
 

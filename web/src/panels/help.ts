@@ -27,10 +27,17 @@ const WORDS: readonly (readonly [string, string])[] = [
 ];
 
 export function fillHelp(dialog: HTMLDialogElement): void {
-  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts", tabIndex: -1, autofocus: true });
+  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts", tabIndex: -1 });
   const form = Object.assign(document.createElement("form"), { method: "dialog" });
   form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
   dialog.append(heading, list(KEYS, true), list(WORDS, false), form);
+}
+
+/** Opens the help at its head; a dialog that is left to itself gives the focus to its last line.  A page in a frame has no `autofocus`. */
+export function openHelp(dialog: HTMLDialogElement): void {
+  dialog.showModal();
+  dialog.querySelector("h2")?.focus();
+  dialog.scrollTop = 0;
 }
 
 function list(pairs: readonly (readonly [string, string])[], keys: boolean): HTMLElement {

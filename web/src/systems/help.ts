@@ -23,7 +23,7 @@ const WORDS: readonly (readonly [string, string])[] = [
 ];
 
 export function fillHelp(dialog: HTMLDialogElement): void {
-  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts", tabIndex: -1, autofocus: true });
+  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts", tabIndex: -1 });
   const form = Object.assign(document.createElement("form"), { method: "dialog" });
   form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
   dialog.append(heading, list(KEYS, "kbd"), list(WORDS, "b"), form);

@@ -3,6 +3,7 @@
 import "../style/page.css";
 import "./systems.css";
 import { DriftPanel } from "../panels/drift";
+import { openHelp } from "../panels/help";
 import { LyapunovPanel } from "../panels/lyapunov";
 import { PortraitPanel } from "../panels/portrait";
 import { entry } from "../panels/scene";
@@ -270,7 +271,7 @@ export class SystemPage {
     find("share").addEventListener("click", () => void this.share(), { signal });
     find("theme").addEventListener("click", () => this.nextTheme(), { signal });
     find("guide").addEventListener("click", () => this.tours.choose(), { signal });
-    find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal(), { signal });
+    find("help").addEventListener("click", () => openHelp(find<HTMLDialogElement>("keys")), { signal });
     find("play").addEventListener("click", () => this.act({ do: "play", playing: !this.state.playing }), { signal });
     find("restart").addEventListener("click", () => this.act({ do: "time", time: 0 }), { signal });
     find("step").addEventListener("click", () => this.step(1), { signal });
@@ -310,7 +311,7 @@ export class SystemPage {
       t: () => this.nextTheme(),
       s: () => void this.share(),
       h: () => this.tours.choose(),
-      "?": () => find<HTMLDialogElement>("keys").showModal(),
+      "?": () => openHelp(find<HTMLDialogElement>("keys")),
     };
     const chosen = turn ? () => this.space.turn(...turn) : view ? () => this.act({ do: "view", view }) : does[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!chosen) return;
