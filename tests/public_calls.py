@@ -242,7 +242,7 @@ def _of_brackets(add):
     add(
         "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w angles:o", angles=["z"],
         variables=["x", "y", "z"], entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"],
-        casimirs={"C": "z"},
+        casimirs={"C": "cos(z)"},
     )  # fmt: skip
     for name in ("corank", "rank"):
         add(f"brackets.PoissonTensor.{name}", "point:N", tensor, tensor.coordinate_names_in_order, point=(1, 2, 3))

@@ -63,7 +63,7 @@ DISPLAY = ("plot", "laboratory", "cli", "studies", "integrability/painleve/balan
 # Here @ joins an algebra and an extension.
 OF_ALGEBRAS = {
     "catalog/families.py", "catalog/unital_tops.py", "structure/casimirs.py", "report/motion_facts.py",
-    "model/system_file_reader.py",
+    "model/bracket_reader.py",
     "model/top_parameters.py", "structure/trace_casimirs.py", "equilibrium/euler_characteristic.py", "model/tops.py",
 }  # fmt: skip
 FORBIDDEN = {

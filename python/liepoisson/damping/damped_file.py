@@ -18,7 +18,7 @@ from liepoisson.formula.scope import Scope, read_declaration
 from liepoisson.formula.toml_text import TomlText, parse_toml
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.model.hamiltonian import is_expression, scope_of
-from liepoisson.model.system_file import EquationsFile, Integral, SystemFile
+from liepoisson.model.system_file import EquationsFile, Integral, SystemFile, with_own_values
 from liepoisson.model.system_file_reader import read_equations
 from liepoisson.model.system_text import formula_text, system_tables, toml_text, value_text
 
@@ -60,7 +60,7 @@ class DampedFile(EquationsFile):
 
     def _own(self) -> SystemFile:
         """The system that is damped, with the values of this file."""
-        return replace(self.undamped.with_values(self.parameters, self.symbols), integrals=self.integrals)
+        return replace(with_own_values(self.undamped, self.parameters, self.symbols), integrals=self.integrals)
 
     def system(self) -> DampedSystem:
         """The damped system, ready to be integrated.

@@ -281,7 +281,7 @@ def _explanation(function: Callable[..., Any], args: tuple[Any, ...], options: d
     known = {name: p for name, p in signature.parameters.items() if name not in _BOUND}
     name = function.__qualname__.removesuffix(".__init__")
     if name.endswith(".__call__"):  # written with the object, as in bracket(f, g)
-        name = name.removesuffix(".__call__").lower()
+        name = type(args[0]).__name__.lower()
     unknown = next((given for given in options if given not in known), None)
     if unknown is not None:
         right = [word for word, others in _WORDS.items() if unknown in others and word in known]

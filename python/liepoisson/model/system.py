@@ -474,9 +474,9 @@ class System(EquationsOfMotion):
             if not name.startswith("_"):
                 parts = (("bracket", Bracket), ("functions", PhaseFunctions))
                 found = [
-                    f"system.{part}.{name}{'()' if callable(vars(kind)[name]) else ''}"
+                    f"system.{part}.{name}{'()' if callable(getattr(kind, name)) else ''}"
                     for part, kind in parts
-                    if name in vars(kind)
+                    if hasattr(kind, name)
                 ]
                 hint = did_you_mean(name, [other for other in dir(type(self)) if not other.startswith("_")]).strip()
                 message += f"; write {' or '.join(found)}" if found else f". {hint}" if hint else ""

@@ -295,15 +295,6 @@ class SystemFile(EquationsFile):
         found.update({("quadratures", name): rate for name, rate in self.quadratures.items()})
         return found
 
-    def with_values(self, parameters: Mapping[str, Value], symbols: Sequence[str]) -> Self:
-        """The file with those of these values and symbols that are its own, as of a table that has further ones."""
-        own = {*self.parameters, *(read_declaration(text)[0] for text in self.symbols)}
-        return replace(
-            self,
-            parameters={name: value for name, value in parameters.items() if name in own},
-            symbols=tuple(text for text in symbols if read_declaration(text)[0] in own),
-        )
-
     def with_constant_integrals(self) -> Self:
         """The file without those of its integrals that are not found constant, as with other values of parameters.
 
@@ -416,3 +407,13 @@ def _example(shape: Shape) -> str:
             return f"Give for example [{', '.join(map(str, range(1, n + 1)))}]."  # no moment of inertia is zero
         case _:
             return "Give its rows as lists."
+
+
+def with_own_values(file: SystemFile, parameters: Mapping[str, Value], symbols: Sequence[str]) -> SystemFile:
+    """The file with those of these values and symbols that are its own, as of a table that has further ones."""
+    own = {*file.parameters, *(read_declaration(text)[0] for text in file.symbols)}
+    return replace(
+        file,
+        parameters={name: value for name, value in parameters.items() if name in own},
+        symbols=tuple(text for text in symbols if read_declaration(text)[0] in own),
+    )

@@ -23,7 +23,7 @@ from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import not_a_whole_system
 from liepoisson.model.hamiltonian import scope_of
 from liepoisson.model.system import System
-from liepoisson.model.system_file import EquationsFile, Integral, SystemFile
+from liepoisson.model.system_file import EquationsFile, Integral, SystemFile, with_own_values
 from liepoisson.model.system_file_reader import read_noisy_tables
 from liepoisson.model.system_text import formula_text, system_tables, toml_text, value_text
 from liepoisson.noise.noise import Noises, as_noises, pieces_of_noise
@@ -164,7 +164,7 @@ class NoisyFile(EquationsFile):
 
     def _own(self) -> SystemFile:
         """The system that is shaken, with the values of this file."""
-        own = self.quiet.with_values(self.parameters, self.symbols)
+        own = with_own_values(self.quiet, self.parameters, self.symbols)
         return replace(own, name=self.name, integrals=self.integrals)
 
     def system(self) -> NoisySystem:
