@@ -220,7 +220,7 @@ def test_a_page_is_one_small_file_with_the_policy_of_the_built_one(tmp_path):
 
 def test_a_page_that_is_too_large_or_has_no_place_is_refused(tmp_path):
     page = page_of_tops()
-    with pytest.raises(ParameterError, match=r"at most 1\.7 MB"):
+    with pytest.raises(ParameterError, match=r"at most 1\.8 MB"):
         write_page(type(page)(page.html + " " * MOST_BYTES, "", "tops"), tmp_path / "a.html")
     with pytest.raises(OutputError, match="folder"):
         write_page(page, tmp_path)
