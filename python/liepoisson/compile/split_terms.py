@@ -105,37 +105,38 @@ def _powers_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> Powe
 
 def powers_of_forms(energy: Polynomial) -> Powers:
     """A polynomial as a sum of powers of linear forms; the constant term is left out."""
-    linear: Powers = {}
-    _add_power(
-        linear, tuple((*monomial, c) for monomial, c in sorted(energy.items()) if len(monomial) == 1), 1, Fraction(1)
-    )
-    powers: Powers = dict(linear)
+    powers: Powers = defaultdict(dict)
+    linear = tuple((*monomial, c) for monomial, c in sorted(energy.items()) if len(monomial) == 1)
+    if linear:
+        _add_power(powers, linear, 1, Fraction(1))
     for form, c in _squares({monomial: c for monomial, c in energy.items() if len(monomial) == 2}):
         _add_power(powers, form, 2, c)
-    for degree in sorted({len(monomial) for monomial in energy} - {0, 1, 2}):
-        part = {monomial: c for monomial, c in sorted(energy.items()) if len(monomial) == degree}
-        if (form := _root(part, degree)) is not None:
-            _add_power(powers, form, degree, part[(form[0][0],) * degree])
+    roots = {degree: _root(energy, degree) for degree in {len(monomial) for monomial in energy} - {0, 1, 2}}
+    for monomial, c in sorted(energy.items()):
+        degree = len(monomial)
+        if degree <= 2:
             continue
-        for monomial, c in part.items():
-            if len(set(monomial)) == 1:
-                _add_power(powers, ((monomial[0], Fraction(1)),), degree, c)
-                continue
-            weight = c / (2 ** (degree - 1) * math.factorial(degree))
-            for signs in product((1, -1), repeat=degree - 1):
-                _add_power(powers, _sum(monomial, (1, *signs)), degree, weight * math.prod(signs))
-    for form in linear:
-        unit = _form(dict(form), form[0][1])
-        if unit != form and unit in powers:
-            powers[unit][1] = powers[unit].get(1, Fraction(0)) + powers.pop(form)[1] * form[0][1]
+        if (root := roots[degree]) is not None:
+            if monomial == (root[0][0],) * degree:
+                _add_power(powers, root, degree, c)
+            continue
+        if len(set(monomial)) == 1:
+            _add_power(powers, ((monomial[0], Fraction(1)),), degree, c)
+            continue
+        weight = c / (2 ** (degree - 1) * math.factorial(degree))
+        for signs in product((1, -1), repeat=degree - 1):
+            _add_power(powers, _sum(monomial, (1, *signs)), degree, weight * math.prod(signs))
+    if linear and linear != (unit := _form(dict(linear), linear[0][1])) and unit in powers:
+        powers[unit][1] = powers.pop(linear)[1] * linear[0][1]
     return {form: kept for form, terms in powers.items() if (kept := {d: c for d, c in terms.items() if c})}
 
 
-def _root(part: Polynomial, degree: int) -> Form | None:
-    r"""The form y, with first coefficient 1, of which a homogeneous polynomial is $c\,y^d$, if there is one.
+def _root(energy: Polynomial, degree: int) -> Form | None:
+    r"""The form y, with first coefficient 1, for which the terms of degree d add up to $c\,y^d$, if there is one.
 
     In $c(x_i + \sum_j a_jx_j)^d$ with the first variable $x_i$, those of $x_i^d$ and $x_i^{d-1}x_j$ are c and $cda_j$.
     """
+    part = {monomial: c for monomial, c in energy.items() if len(monomial) == degree}
     i = min(monomial[0] for monomial in part)
     c = part.get((i,) * degree)
     if c is None:
