@@ -76,6 +76,7 @@ SCALED = [[[0, 0], [0, "k"]], [[0, "-k"], [0, 0]]]
     [
         (f'matrices = {ROTATIONS}\nW = [[[1, 0], [0, 0]], [[0, 1], [1, 0]]]\nvariables = ["l", "p"]',
          lambda: lp.so(3) @ lp.semidirect(2).rename("l", "p")),
+        (f'matrices = {ROTATIONS}\ncasimirs = ["l1^2 + l2^2 + l3^2"]', lambda: lp.so(3) @ lp.trivial()),
         (f'structure_constants = {SCALED}\nbasis_names = ["a", "b"]\n[parameters]\nsymbols = ["k"]',
          lambda: lp.LieAlgebra(SCALED, basis_names=("a", "b")) @ lp.trivial()),
         ('canonical = 2', lambda: lp.canonical(2)),
@@ -85,7 +86,7 @@ SCALED = [[[0, 0], [0, "k"]], [[0, "-k"], [0, 0]]]
          lambda: (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "k3", ("l2", "l3"): "k1"})),
     ],
 )  # fmt: skip
-def test_brackets_are_given_in_six_ways(bracket, bare):
+def test_brackets_are_given_in_many_ways(bracket, bare):
     read = parse_system_file(f'[bracket]\n{bracket}\n[hamiltonian]\nexpression = "1"').bracket
     assert read.coordinate_names_in_order == bare().coordinate_names_in_order
     assert read.poisson_tensor() == bare().poisson_tensor()

@@ -233,6 +233,7 @@ def test_a_figure_shows_the_coordinate_and_its_momentum():
             SystemFileError,
             "added by itself",
         ),
+        (lambda: lp.System(FORCED.bracket, "p_x^2/2 - cos(x)*cos(t)"), ParameterError, r"bracket.base: p_t is added"),
         (lambda: lp.System(lp.canonical(names=["p_t"]), "p_t*cos(t)"), BracketError, "distinct names"),
         (
             lambda: parse_system_file('[bracket]\ncanonical = 1\n[hamiltonian]\nexpression = "p1^2"\nperiod = 2'),

@@ -44,13 +44,13 @@ class BracketReader(ValueReader):
         self.guarded(("parameters",), lambda: Scope(symbols=declared))
         if "canonical" in table:
             return self.canonical(table)
-        of_algebra = "algebra" in table or "structure_constants" in table
+        of_algebra = self.one_of(table, ("algebra", "structure_constants", "matrices"))
         if kind := self.one_of(table, ("magnetic", "guiding_centre")):
             return self.magnetic(kind, table, declared)
         if other := next((key for key in ("charge", "mass") if key in table), None):
             message = "only a bracket with the key magnetic or guiding_centre has one. Remove the key."
             raise self.toml.error(("bracket", other), message)
-        if "tensor" in table or ("casimirs" in table and not of_algebra):
+        if "tensor" in table or ("casimirs" in table and of_algebra is None):
             return self.tensor(table, declared)
         algebra = self.algebra(table, declared)
         extension = self.extension(table, declared)

@@ -27,7 +27,7 @@ from liepoisson.model.hamiltonian import (
     read_pairs_of_functions,
     scope_of,
 )
-from liepoisson.model.time_dependence import check_period, given_text, suspended
+from liepoisson.model.time_dependence import check_period, check_rate_of_time, given_text, suspended
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.coordinates import with_coefficients
 from liepoisson.structure.extension import Extension
@@ -135,7 +135,7 @@ class System(EquationsOfMotion):
         if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise not_a("a Bracket", bracket, "bracket", _bracket_hint(bracket))
         check_hamiltonian(hamiltonian, bracket)
-        self._given_symbols = read_declarations(symbols)
+        self._given_symbols, has_time = read_declarations(symbols), bracket.clock is not None
         if self._knows_time:
             bracket, hamiltonian = suspended(bracket, hamiltonian, parameters, self._given_symbols, period)
         self._given_hamiltonian = hamiltonian
@@ -154,6 +154,8 @@ class System(EquationsOfMotion):
         self.source: str | None = source if source is None else check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
+        if has_time:
+            check_rate_of_time(self.hamiltonian, self.variables[-1])
         if self.bracket.period is not None:
             check_period(self.hamiltonian, self.variables[-2], self.bracket.period)
         if self.bracket.angles:

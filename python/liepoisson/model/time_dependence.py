@@ -98,6 +98,19 @@ def _read_period(given: Any, scope: Scope) -> Expr:
     return cast("Expr", found)
 
 
+def check_rate_of_time(energy: Expr, momentum: Expr) -> None:
+    r"""Refuse a Hamiltonian on a bracket with time that does not let it pass, $\dot t = 1$.
+
+    Raises:
+        ParameterError: it is not H + p_t.
+    """
+    if energy.diff(momentum) != 1:
+        raise ParameterError(
+            f"wanted a Hamiltonian H(x, t) + {momentum} for a bracket with time, so that t' = 1; got {energy!s:.80}. "
+            f"Give the bracket without time, bracket.base: {momentum} is added by itself there."
+        )
+
+
 def check_period(energy: Expr, time: Expr, period: Expr) -> None:
     """Refuse what is no period of a Hamiltonian.
 

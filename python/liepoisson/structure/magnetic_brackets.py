@@ -21,7 +21,6 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed
 from liepoisson.structure.given_functions import read_function, read_variables, scope_with
 from liepoisson.structure.magnetic_field import MagneticField
-from liepoisson.structure.poisson.tensor_entries import TensorEntries
 from liepoisson.structure.tensor_bracket import PoissonTensor, tensor_of
 
 if TYPE_CHECKING:
@@ -88,7 +87,7 @@ def magnetic(
     if n == 2:
         entries[2, 3] = e / m**2 * B[0]
         return tensor_of(names, entries, jacobi="proved", origin=origin)
-    how = _divergence(B, x, names[3:], e / m**3)
+    how = _divergence(origin, x, names[3:], e / m**3)
     entries |= {(3, 4): e / m**2 * B[2], (4, 5): e / m**2 * B[0], (3, 5): -e / m**2 * B[1]}
     return tensor_of(names, entries, jacobi=how, origin=origin)
 
@@ -152,7 +151,8 @@ def guiding_centre(
     occurring = [one for one in B if not is_zero(one)]
     if not occurring:
         raise BracketError("a guiding centre needs a magnetic field; got B = 0. Take lp.brackets.magnetic.")
-    how = _divergence(B, x, names[:3], -m / e**2)
+    origin = MagneticField("guiding_centre", tuple(B), e, m)
+    how = _divergence(origin, x, names[:3], -m / e**2)
     s = occurring[0] if len(occurring) == 1 else sqrt(_short(sum(one**2 for one in B)))
     S, curl = _short(s**2), [_short(B[k].diff(x[j]) - B[j].diff(x[k])) for _, j, k in _EVEN]
     slopes = [_short(S.diff(v)) for v in x]
@@ -166,7 +166,6 @@ def guiding_centre(
         entry = _short(B[k] / (e * along))
         entries[min(i, j), max(i, j)] = -entry if i < j else entry
     kept = {pair: entry for pair, entry in entries.items() if entry != 0}
-    origin = MagneticField("guiding_centre", tuple(B), e, m)
     return tensor_of(names, kept, jacobi=how, are_nonzero=True, origin=origin)
 
 
@@ -198,31 +197,18 @@ def _symbols(names: Sequence[str]) -> list[Any]:
     return [Symbol(name) for name in names]
 
 
-def _divergence(B: Sequence[Any], x: Sequence[Any], names: Sequence[str], factor: Any) -> str:
-    r"""How it is known that div B = 0, "proved" or "sampled".
-
-    That is the Jacobi identity of $\{x_i, v_j\} = \delta_{ij}$, $\{v_i, v_j\} = \epsilon_{ijk} B_k$.
+def _divergence(field: MagneticField, x: Sequence[Any], names: Sequence[str], factor: Any) -> str:
+    """How it is known that div B = 0, "proved" or "sampled"; `factor` is that of div B in the cyclic sum of `names`.
 
     Raises:
         JacobiError: it is not zero.
     """
-    from sympy import Dummy, S
-
-    entries: dict[tuple[int, int], Any] = {(i, 3 + i): S.One for i in range(3)}
-    entries |= {(3, 4): B[2], (4, 5): B[0], (3, 5): -B[1]}
-    own = TensorEntries((*x[:3], *(Dummy() for _ in range(3))), {p: f for p, f in entries.items() if f != 0})
-    residual = own.jacobi_residual((3, 4, 5))
-    if residual is None:
-        residual = own.jacobi_fails_at_a_point((3, 4, 5))
-        if residual is None:
-            return "sampled"
-    if residual != 0:
-        total: Any = sum(one.diff(v) for one, v in zip(B, x, strict=False))
-        shown = _short(factor * total)
-        size = _short(factor)
-        what = "div B" if size == 1 else f"{size} div B"
-        raise JacobiError(tuple(names), str(shown), f"It is {what}, and a magnetic field has div B = 0")
-    return "proved"
+    certificate = field.jacobi_certificate(x, 1)
+    if certificate.holds:
+        return "proved" if certificate.proved else "sampled"
+    shown, size = _short(factor * cast("Any", certificate.failures[0].residual)), _short(factor)
+    what = "div B" if size == 1 else f"{size} div B"
+    raise JacobiError(tuple(names), str(shown), f"It is {what}, and a magnetic field has div B = 0")
 
 
 def _short(expression: Any) -> Any:

@@ -256,7 +256,12 @@ class PoissonTensor(Bracket):
         return found
 
     def jacobi_certificate(self) -> JacobiCertificate:
-        """The Jacobi identity for all triples of coordinates, computed now from the entries; antisymmetric they are."""
+        """The Jacobi identity for all triples of coordinates, computed now from the entries; antisymmetric they are.
+
+        Of a bracket that was made of a magnetic field it is computed from this field, div B = 0.
+        """
+        if self.origin is not None:
+            return self.origin.jacobi_certificate(self.variables, comb(self.dimension, 3))
         from liepoisson.structure.certificates import Failure, JacobiCertificate
 
         n_triples, open_ones = comb(self.dimension, 3), 0
