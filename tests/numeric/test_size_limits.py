@@ -44,6 +44,52 @@ def test_a_drive_whose_momentum_overflows_shortens_steps():
     assert run.end_state[0, 0] == pytest.approx(2 - np.cos(10), abs=1e-13)  # x'' = cos(tau)
 
 
+SHAKEN = lp.System(
+    lp.canonical(names=["x"], angles=["x"]),
+    "p_x^2/2 - cos(x) + f*cos(x)*cos(w*t)",
+    {"f": "3/10", "w": 30},
+    period="2*pi/w",
+)
+
+
+@pytest.mark.parametrize(("method", "error"), [(lp.Taylor(), 1e-12), (lp.RungeKutta(tol=1e-12), 1e-10)])
+@pytest.mark.parametrize("f", [1e-9, 1, 1e3])
+def test_the_momentum_of_time_along_a_pendulum_at_rest_is_that_of_the_drive(f, method, error):
+    r"""$p_t' = f w \sin(wt)$, $p_t = f (1 - \cos wt)$, of which $x = 0$ says nothing."""
+    run = lp.integrate(SHAKEN.with_parameters({"f": f}), {"x": 0}, times=[0, 1, 100], method=method)
+    assert np.abs(run.state[0, :, -1] - f * (1 - np.cos(30 * run.time))).max() < error * f
+
+
+@pytest.mark.parametrize("f", ["1/10^9", "3/10", 20])
+def test_the_momentum_of_time_is_as_exact_as_the_state(f):
+    """H + p_t is kept to round-off, and of a weak drive p_t is known relative to itself."""
+    weak = SHAKEN.with_parameters({"f": f})
+    run, fine = (lp.integrate(weak, {"p_x": 1.9}, times=[0, 10], method=lp.Taylor(tol=tol)) for tol in (1e-15, 1e-13))
+    change = np.abs(run.end_state - fine.end_state)[0]
+    assert run.drift["H"].max() < 3e-12
+    assert change[-1] < 1e-9 * np.abs(run.end_state[0, -1])
+
+
+def test_rates_of_the_momentum_that_cancel_shorten_no_steps():
+    r"""$p_t' = (|l|^2 - 1) \sin t$ is round-off on the unit sphere."""
+    free = "l1^2/2 + l2^2/3 + l3^2/5"
+    driven = lp.System(lp.so(3) @ lp.trivial(), f"{free} + (l1^2 + l2^2 + l3^2 - 1)*cos(t)", period="2*pi")
+    alone = lp.System(lp.so(3) @ lp.trivial(), free)
+    for method, most in ((lp.Taylor(), 2), (lp.RungeKutta(tol=1e-12), 2)):
+        runs = [lp.integrate(system, {"l": (0.6, 0, 0.8)}, t_end=100, method=method) for system in (driven, alone)]
+        assert (runs[0].outcome[0], runs[0].n_steps[0] < most * runs[1].n_steps[0]) == ("finished", True)
+        assert np.abs(runs[0].state[..., -1]).max() < 1e-10
+
+
+def test_a_pulse_that_is_yet_to_come_ends_no_run():
+    """The momentum is below the smallest normal number at first."""
+    pulse = lp.System(lp.canonical(names=["x"]), "p_x^2/2 + x^2/2 - x*exp(-(t - 40)^2)")
+    for method, error in ((lp.Taylor(), 1e-14), (lp.RungeKutta(tol=1e-12), 1e-11)):
+        run = lp.integrate(pulse, {"x": 0.3, "p_x": 0.1}, times=[0, 80], method=method)
+        assert run.outcome[0] == "finished"
+        assert run.drift["H"].max() < error
+
+
 def test_a_rotating_angle_loosens_no_tolerance():
     """After 5,000 turns, and from 1,000 turns on."""
     pendulum = lp.System(lp.canonical(names=["q"], angles=["q"]), "p_q^2/2 - cos(q)")

@@ -127,7 +127,8 @@ class TapeField(PlainField):
         outputs: The register of each component of the time derivative.
         size_limits: The largest size with which each component counts in the size of the state that tolerances are
             relative to, None without limit: a turn of an angle; 0 for time and its momentum, which are the last
-            components and in whose units the others are not. Empty: all count as they are.
+            components and in whose units the others are not; the error of the momentum is relative to its own size.
+            Empty: all count as they are.
     """
 
     kind: ClassVar[str] = "tape"

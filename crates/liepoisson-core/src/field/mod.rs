@@ -84,10 +84,15 @@ pub trait Field: Space {
 
     /// The largest size with which each component of the state counts in the size of the state that tolerances are relative to: a
     /// turn of an angle, which is a point of a circle however large it has become. The last components may have zero, as time and its
-    /// momentum have, in whose units the others are not: they count nowhere, and their errors do not either. Empty: all count as they
-    /// are.
+    /// momentum have, in whose units the others are not: they count nowhere. The error of the very last of them, the momentum, is judged
+    /// by its own size. Empty: all count as they are.
     fn size_limits(&self) -> &[f64] {
         &[]
+    }
+
+    /// How far the round-off of a state and of what is computed may move the rate of a component; zero if that is not known.
+    fn round_off_of_rate(&self, _state: &[f64], _component: usize) -> f64 {
+        0.0
     }
 
     /// Registers in a row with `n_tangents` tangent vectors.
@@ -206,6 +211,10 @@ impl<F: Field> Field for &F {
 
     fn size_limits(&self) -> &[f64] {
         (**self).size_limits()
+    }
+
+    fn round_off_of_rate(&self, state: &[f64], component: usize) -> f64 {
+        (**self).round_off_of_rate(state, component)
     }
 
     fn registers(&self, n_tangents: usize, order: usize) -> usize {

@@ -7,6 +7,7 @@ mod estimates;
 mod gauss_legendre;
 mod known_terms;
 mod mixed_taylor;
+mod momentum_of_time;
 mod options;
 mod overview;
 mod series_sum;

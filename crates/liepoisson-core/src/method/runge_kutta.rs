@@ -9,6 +9,7 @@ use crate::field::{Field, SinglePrecision, Straight};
 use crate::lanes::{Body, Lane, Number, Wide};
 use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
+use crate::method::momentum_of_time::momentum_of_time;
 use crate::method::taylor::{n_measured, size_of_state, sum_of_sizes};
 use crate::method::variational::{Chunk, Sum, Variational, in_chunks, spread};
 use crate::method::{AnyMethod, Block, Method, Options, Precision, Series, Single, StepOutcome, Stepping};
@@ -180,7 +181,7 @@ struct RungeKuttaBlock<'f, F, V> {
     method: RungeKutta,
     system: Variational<'f, F, V>,
     rates: Vec<V>,
-    /// What the error of each group follows from: [`RungeKuttaBlock::estimate`].
+    /// What the error of each group follows from, and in the end that of the momentum of time: [`RungeKuttaBlock::estimate`].
     estimates: Vec<[V; 3]>,
     /// The memory of a step of compiled code: values, the size of the step, estimates; empty where there is none.
     memory: Vec<V>,
@@ -192,10 +193,11 @@ struct RungeKuttaBlock<'f, F, V> {
 impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     fn new(method: RungeKutta, field: &'f F, n_tangents: usize) -> Self {
         let system = Variational::new(field, n_tangents, method.compensated);
-        let n_memory = if F::IS_COMPILED { system.n_values() + 1 + 3 * (1 + n_tangents) } else { 0 };
+        let n_judged = 1 + n_tangents + usize::from(momentum_of_time(field.size_limits()).is_some());
+        let n_memory = if F::IS_COMPILED { system.n_values() + 1 + 3 * n_judged } else { 0 };
         RungeKuttaBlock {
             method,
-            estimates: vec![[V::splat(0.0); 3]; 1 + n_tangents],
+            estimates: vec![[V::splat(0.0); 3]; n_judged],
             memory: vec![V::splat(0.0); n_memory],
             rates: vec![V::splat(0.0); (1 + STAGES.len()) * system.row()],
             controls: vec![Control::FRESH; V::WIDTH],
@@ -258,29 +260,33 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
         true
     }
 
-    /// What the error of each group follows from: `2 e5 / (sqrt(1 + 0.01 (e3/e5)^2) size)`, `e5`, and zero, or NaN where a number is
-    /// not finite; see [`RungeKuttaBlock::judge_errors`].
+    /// The sums of the absolute values of the estimates of orders 5 and 3 of some components.
+    #[inline(always)]
+    fn error_sizes(&self, first: usize, n: usize) -> [V; 2] {
+        let (known, row) = (&self.rates[first..], self.system.row());
+        let mut error_sizes = ErrorSizes {
+            of_order_5: Sum { terms: ERROR_OF_ORDER_5, known, row },
+            of_order_3: Sum { terms: ERROR_OF_ORDER_3, known, row },
+            sums: [V::splat(0.0); 2],
+        };
+        in_chunks::<V>(n, &mut error_sizes);
+        error_sizes.sums
+    }
+
+    /// What the error of each group follows from, and in the end that of the momentum of time: [`relative_error`], for
+    /// [`RungeKuttaBlock::judge_errors`].
     #[inline(always)]
     fn estimate(&mut self) {
-        let row = self.system.row();
-        for (g, (group, estimate)) in self.system.groups().zip(&mut self.estimates).enumerate() {
+        for (g, group) in self.system.groups().enumerate() {
             let limits = self.system.size_limits(g);
-            let known = &self.rates[group.start..];
-            let mut error_sizes = ErrorSizes {
-                of_order_5: Sum { terms: ERROR_OF_ORDER_5, known, row },
-                of_order_3: Sum { terms: ERROR_OF_ORDER_3, known, row },
-                sums: [V::splat(0.0); 2],
-            };
-            in_chunks::<V>(n_measured(limits, group.len()), &mut error_sizes);
+            let error_sizes = self.error_sizes(group.start, n_measured(limits, group.len()));
             let before = size_of_state(limits, &self.system.start[group.clone()]);
-            let size = before.add(size_of_state(limits, &self.system.state[group]));
-            let [e5, e3] = error_sizes.sums;
-            let (ratio, twice) = (e3.div(e5), V::splat(2.0));
-            let root = ratio.mul(ratio).mul_add(V::splat(0.01), V::splat(1.0)).sqrt();
-            let relative = e5.mul(twice).div(root.mul(size));
-            // zero times infinity is NaN
-            let defect = e5.add(e3).add(size).mul(V::splat(0.0));
-            *estimate = [relative, e5, defect];
+            self.estimates[g] =
+                relative_error(error_sizes, before.add(size_of_state(limits, &self.system.state[group])));
+        }
+        if let Some(i) = momentum_of_time(self.system.size_limits(0)) {
+            let size = self.system.start[i].abs().add(self.system.state[i].abs());
+            *self.estimates.last_mut().expect("that of the momentum") = relative_error(self.error_sizes(i, 1), size);
         }
     }
 
@@ -293,7 +299,7 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     fn judge_errors(&mut self, sizes: &[f64]) {
         let Steps::Adaptive { tolerance } = self.method.steps else { return };
         self.errors.fill(0.0);
-        for [relative, e5, defect] in &self.estimates {
+        for [relative, e5, defect] in &self.estimates[..=self.system.n_tangents] {
             let (relative, e5, defect) = (relative.as_scalars(), e5.as_scalars(), defect.as_scalars());
             for (lane, largest) in self.errors[..V::WIDTH].iter_mut().enumerate() {
                 let relative = if e5[lane].to_f64() > 0.0 { relative[lane].to_f64() } else { 0.0 };
@@ -303,10 +309,34 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
         for (error, size) in self.errors[..V::WIDTH].iter_mut().zip(&sizes[..V::WIDTH]) {
             *error *= size.abs() / tolerance;
         }
+        if let Some(component) = momentum_of_time(self.system.size_limits(0)) {
+            let [relative, e5, _] = self.estimates[self.system.n_tangents + 1];
+            for (lane, size) in sizes[..V::WIDTH].iter().enumerate() {
+                let mut error = relative.get(lane) * size.abs() / tolerance;
+                if error > 1.0 {
+                    error *= self.share_beside_terms((lane, component), e5.get(lane), size.abs());
+                }
+                if error > self.errors[lane] {
+                    self.errors[lane] = error;
+                }
+            }
+        }
         self.factors.copy_from_slice(&self.errors);
         for factor in &mut self.factors[..V::WIDTH] {
             *factor = 0.9 * exp2_estimate(log2_estimate(*factor) * (-1.0 / ORDER));
         }
+    }
+
+    /// What the size of a component is, at both ends of a step, beside the same with the terms of its rate, which may cancel; zero
+    /// where the estimate of order 5 is no more than round-off.
+    #[cold]
+    fn share_beside_terms(&self, (lane, component): (usize, usize), e5: f64, step: f64) -> f64 {
+        let start = &self.system.start[..self.system.n_components()];
+        let start: Vec<f64> = start.iter().map(|register| register.get(lane)).collect();
+        let round_off = self.system.field.round_off_of_rate(&start, component) + f64::MIN_POSITIVE;
+        let factors: f64 = ERROR_OF_ORDER_5.iter().map(|(_, factor)| factor.abs()).sum();
+        let size = (start[component].abs() + self.system.state[component].get(lane).abs()).max(f64::MIN_POSITIVE);
+        if e5 <= factors * round_off { 0.0 } else { size / (size + step * round_off / f64::EPSILON) }
     }
 
     /// The first proposal of a trajectory, NaN if it or its rates are not finite.
@@ -328,6 +358,16 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
         let Steps::Adaptive { tolerance } = self.method.steps else { return shortest + defect };
         shortest * exp2_estimate(log2_estimate(tolerance) / ORDER) + defect
     }
+}
+
+/// `2 e5 / (sqrt(1 + 0.01 (e3/e5)^2) size)`, `e5`, and zero, or NaN where a number is not finite.
+#[inline(always)]
+fn relative_error<V: Lane>([e5, e3]: [V; 2], size: V) -> [V; 3] {
+    let (ratio, twice) = (e3.div(e5), V::splat(2.0));
+    let root = ratio.mul(ratio).mul_add(V::splat(0.01), V::splat(1.0)).sqrt();
+    let relative = e5.mul(twice).div(root.mul(size));
+    // zero times infinity is NaN
+    [relative, e5, e5.add(e3).add(size).mul(V::splat(0.0))]
 }
 
 /// Adds up the sizes of two sums over all components.

@@ -9,6 +9,7 @@ use crate::field::{Field, Instance, Instantiate, Straight};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
+use crate::method::momentum_of_time::{OwnSeries, momentum_of_time};
 use crate::method::overview::{LookOver, Overview};
 use crate::method::series_sum::{FEW, Strides, Sums};
 use crate::method::{AnyMethod, Block, Method, MixedTaylor, Options, Precision, Series, StepOutcome, Stepping};
@@ -258,7 +259,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
             return;
         }
         if finite < order {
-            *longest = f64::INFINITY;
+            *longest = self.longest_of_momentum(lane, finite);
             for register in &mut self.rows[(finite + 1) * self.row..(order + 1) * self.row] {
                 register.set(lane, 0.0);
             }
@@ -267,6 +268,15 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
             let step = longest_step(order, finite, self.method.tolerance, |k| self.norm_in(lane, k, group));
             *longest = longest.min(step.unwrap_or(f64::INFINITY));
         }
+    }
+
+    /// The longest step that the momentum of time allows in one lane, by its terms up to an order.
+    fn longest_of_momentum(&self, lane: usize, order: usize) -> f64 {
+        let Some(at) = momentum_of_time(self.field.size_limits()) else { return f64::INFINITY };
+        let terms: Vec<f64> = (0..=order).map(|k| self.rows[k * self.row + at].get(lane)).collect();
+        let mut logarithm = f64::INFINITY;
+        OwnSeries { rows: &terms, row: 1, at: 0, order }.shorten(&mut logarithm, self.method.tolerance);
+        exp2_estimate(logarithm)
     }
 
     /// Advances every lane by its own step, from a group on.
@@ -397,6 +407,9 @@ impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
             for ((&last, &before), &remaining) in terms.zip(remaining.as_scalars()) {
                 are_in_range &= (is_in_range(last) & is_in_range(before)) | (remaining == 0.0);
             }
+        }
+        if let Some(at) = momentum_of_time(block.field.size_limits()) {
+            OwnSeries { rows: &block.rows, row: block.row, at, order }.shorten(&mut logarithm, block.method.tolerance);
         }
         *is_out_of_range = !are_in_range;
         let step = steps_by_trend([&block.trend; 2], block.n_tangents, logarithm, block);

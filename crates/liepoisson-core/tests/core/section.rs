@@ -123,6 +123,23 @@ fn an_orbit_that_lies_in_the_surface_is_told_from_one_that_misses_it() {
 }
 
 #[test]
+fn an_orbit_in_a_surface_beside_which_others_move_lies_in_it_whatever_the_last_step_is() {
+    // x'' = -x at rest, y'' = -y
+    let pair = Quadratic::new(4, &[], &[(0, 1, 1.0), (1, 0, -1.0), (2, 3, 1.0), (3, 2, -1.0)], &[]).unwrap();
+    for instruction in [line(0, 1.0, 0.0), Instruction::Sin(0)] {
+        for end in [3.7e-3, 3.7, 370.0] {
+            let found = alone(&pair, &[0.0, 0.0, 1.0, 0.0], [0.0, end], &surface(4, vec![instruction.clone()]));
+            let told = (found.uncertified[0].is_in_surface, found.uncertified[0].unresolved_time);
+            assert_eq!(told, (true, 0.0), "{instruction:?}, end = {end}");
+        }
+    }
+    // y^64 has no term up to the order of the series, and does not vanish
+    let power = [2, 4, 5, 6, 7, 8].map(|register| Instruction::Product(register, register));
+    let found = alone(&pair, &[0.0, 0.0, 0.0, 1.0], [0.0, 1e-3], &surface(4, power.to_vec()));
+    assert!(!found.uncertified[0].is_in_surface);
+}
+
+#[test]
 fn direction_and_number_of_crossings_are_kept_to() {
     let all = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], 0.0));
     for direction in [-1, 1] {

@@ -146,7 +146,8 @@ impl Workspace {
         };
         *kept_along = along;
         let error = along + left_out + unit * total;
-        let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
+        // where all coefficients are zero, those of shorter parts are, too
+        let is_sharp = error <= SHARP * unit * total || left_out <= along && (along <= BLUNT * here || total == 0.0);
         // a bound beyond the function itself tells nothing
         let is_of_use = is_sharp || is_last && error < total;
         (error.is_finite() && total.is_finite() && is_of_use).then_some(Error { size: error, is_sharp })

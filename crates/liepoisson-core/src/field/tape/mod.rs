@@ -218,6 +218,13 @@ impl Field for Tape {
         &self.size_limits
     }
 
+    fn round_off_of_rate(&self, state: &[f64], component: usize) -> f64 {
+        let errors: Vec<f64> = state.iter().map(|x| f64::EPSILON * x.abs()).collect();
+        let mut terms = Terms::default();
+        self.round_off(state, Some(&errors), &mut terms);
+        terms.linear[component]
+    }
+
     fn registers(&self, n_tangents: usize, order: usize) -> usize {
         self.row(n_tangents) * (order + 1) + self.program.registers(n_tangents, order + 1)
     }
