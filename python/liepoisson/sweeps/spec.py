@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
+from liepoisson.errors import ParameterError, ShapeError, SystemFileError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import names_of_places
 from liepoisson.formula.scalars import as_array, as_count, as_number, as_seed, as_time
 from liepoisson.formula.toml_text import parse_toml
@@ -28,6 +28,7 @@ from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
 from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.system_file_reader import read_equations
+from liepoisson.noise.noisy_system import NoisySystem
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import MethodChoice, as_choice, choice_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
@@ -368,7 +369,7 @@ class SweepSpec:
     def description(self) -> dict[str, Any]:
         """The record with what changes no number: the names of the sweep and its axes, and the system as a text."""
         labels = [axis.label for axis in self.axes]
-        return {"name": self.name, "labels": labels, "system_file": getattr(self.system, "text", None)}
+        return {"name": self.name, "labels": labels, "system_file": _file_text(self.system)}
 
     @classmethod
     def of_record(cls, record: Mapping[str, Any], description: Mapping[str, Any] | None = None) -> SweepSpec:
@@ -381,7 +382,7 @@ class SweepSpec:
         }
         system = record["system"]
         if said["system_file"] is not None:
-            system = read_equations(parse_toml(said["system_file"], "the system of the sweep")).system()
+            system = read_equations(parse_toml(said["system_file"], "the system of the sweep"), noise=True).system()
         elif isinstance(system, Mapping) and "function" in system:
             system = _own_function("system", cast("Mapping[str, Any]", system))
         quantity, rule, method, refine = (record[name] for name in ("quantity", "rule", "method", "refine"))
@@ -427,7 +428,7 @@ class SweepSpec:
     def _refined_by(self) -> list[Any]:
         return ["chaotic_fraction"] if self.is_verdict else ["mean"]
 
-    def held(self) -> list[str]:
+    def held(self, *, noise: bool = False) -> list[str]:
         """What is the same at all points, in words."""
         fixed = [line for name, value in self.parameters.items() for line in self._fixed(name, value)]
         prescribed = {**self.starts.casimirs, **({} if self.starts.energy is None else {"H": self.starts.energy})}
@@ -439,6 +440,8 @@ class SweepSpec:
             lines.append(f"the starts: trajectory k of {self.starts.ensemble!r} is the same state at every point")
         if any(axis.name == "epsilon" for axis in self.axes) or _varies(self.parameters.get("epsilon", 0), self.axes):
             lines.append("epsilon by itself is a scale: what varies is epsilon |beta|, at the |beta| of the starts")
+        if noise:
+            lines.append("the noise: trajectory k follows the same path at every point")
         return lines
 
     def formulas(self) -> list[str]:
@@ -534,6 +537,16 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in cast("Sequence[Any]", value)]
     if callable(value):
         return cast("Any", function_record(value))
-    if isinstance(value, EquationsOfMotion):
+    if isinstance(value, (EquationsOfMotion, NoisySystem)):
         return cast("Any", system_record(value))
     return str(value)
+
+
+def _file_text(system: Any) -> str | None:
+    """The text of a file of a system that was given as such; None where there is none."""
+    if not isinstance(system, NoisySystem):
+        return getattr(system, "text", None)
+    try:
+        return system.file_text()
+    except SystemFileError:
+        return None
