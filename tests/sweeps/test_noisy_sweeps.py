@@ -22,7 +22,7 @@ TABLES = {
 STEP = lp.Splitting(step=0.1)
 SPEC = {
     "system": TABLES,
-    "axes": {"s": [0.25, 0.5], "I3": [3.0, 3.5, 4.0]},
+    "axes": {"s": [0.25, 0.5], "I3": [3.0, 4.0]},
     "n_starts": 3,
     "t_end": 10.0,
     "seed": 5,
@@ -50,11 +50,11 @@ def test_a_point_is_a_run_alone_with_the_same_seed(whole):
         run = alone(noisy, lp.sample_states(noisy.system, 3, seed=5), t_end=10.0, seed=5)
         np.testing.assert_array_equal(exponents, run.exponent)
         np.testing.assert_array_equal(errors, run.error)
-    assert whole.outcomes == {"finished": 18}
+    assert whole.outcomes == {"finished": 12}
     assert "the noise: trajectory k follows the same path at every point" in whole.held
 
 
-@pytest.mark.parametrize("how", [{"threads": 1, "points_per_piece": 5}, {"threads": 3, "points_per_piece": 1}])
+@pytest.mark.parametrize("how", [{"threads": 1, "points_per_piece": 3}, {"threads": 3, "points_per_piece": 1}])
 def test_bits_do_not_depend_on_how(whole, how):
     again = lp.sweep(**SPEC, **how)
     np.testing.assert_array_equal(again.value, whole.value)
@@ -149,7 +149,7 @@ def test_a_point_without_noise_among_others_has_no_system():
     """An amplitude of 0 is no noise; a limit of exponents with noise is none without."""
     found = lp.sweep(**SPEC | {"axes": {"s": [0.0, 0.25]}})
     assert found.outcome[:, 0].tolist() == ["no system", "finished"]
-    assert "wanted functions that move something; got '0" in found.remarks[0]
+    assert "wanted functions that move something" in found.remarks[0]
     found = lp.sweep(**SPEC | {"system": quiet_at_a_half, "axes": {"s": [0.25, 0.5]}})
     assert found.outcome[:, 0].tolist() == ["finished", "no system"]
     assert "wanted noise at all points or at none" in found.remarks[0]

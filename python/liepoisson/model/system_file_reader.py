@@ -200,8 +200,8 @@ class _Reader(BracketReader):
             raise self.toml.error(
                 ("noise",),
                 "wanted a system without noise. lp.stochastic.read_noisy_system reads one with noise, and so do the "
-                "commands orbit and lyapunov; all others need equations of motion, and a path of noise has none "
-                "(docs/noise.md). Remove the table for the system without noise.",
+                "commands that follow noise (docs/noise.md); all others need equations of motion, and a path of noise "
+                "has none. Remove the table for the system without noise.",
             )
 
     def own_part(self, file: SystemFile, unused: Sequence[str], formulas: Mapping[Any, Sequence[str]]) -> SystemFile:
