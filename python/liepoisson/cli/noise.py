@@ -81,8 +81,9 @@ def stationary(
 
     _check(t_end, trajectories, seed, limits)
     more = {"edges": _edges(edges), "transient": transient, "n_samples": samples}
-    noisy = _read(system, common)
-    path, stem = result_files(files, noisy.system, common.values, "law")
+    chosen: Any = read_shaken_equations(system, common.values)
+    path, stem = result_files(files, chosen, common.values, "law")
+    noisy = _with_noise(chosen)
     drawn, options = _planned(noisy, where, trajectories, seed, ensemble=ensemble, step=step, limits=limits)
     with running("sampling", trajectories * t_end, quiet=common.quiet) as listen:
         found = stationary_law(noisy.system, drawn.states, function, t_end=t_end, **more, **options, progress=listen)
@@ -114,8 +115,9 @@ def passages(
     from liepoisson.noise.first_passages import first_passages
 
     _check(t_end, trajectories, seed, limits)
-    noisy = _read(system, common)
-    path, stem = result_files(files, noisy.system, common.values, "passages")
+    chosen: Any = read_shaken_equations(system, common.values)
+    path, stem = result_files(files, chosen, common.values, "passages")
+    noisy = _with_noise(chosen)
     drawn, options = _planned(noisy, where, trajectories, seed, ensemble=ensemble, step=step, limits=limits)
     with running("integrating", trajectories * t_end, quiet=common.quiet) as listen:
         found = first_passages(noisy.system, drawn.states, function=function, t_end=t_end, **options, progress=listen)
@@ -134,8 +136,7 @@ def _check(t_end: float, trajectories: int, seed: int, limits: Limits) -> None:
     check_limits(seed=seed, **asdict(limits))
 
 
-def _read(argument: str, common: Common) -> NoisySystem:
-    found: Any = read_shaken_equations(argument, common.values)
+def _with_noise(found: Any) -> NoisySystem:
     if not isinstance(found, NoisySystem):
         raise ParameterError(
             f"SYSTEM must be a file with a table [noise]; {found.name} has no noise. Write a system file with for "
