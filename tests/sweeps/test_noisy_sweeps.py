@@ -10,6 +10,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
+from liepoisson.sweeps.identity import digest_of
 from liepoisson.sweeps.store import OtherSweepError
 
 TABLES = {
@@ -115,16 +116,20 @@ def test_a_store_and_a_file_give_the_sweep_back(tmp_path, system):
     assert made.dataset["error"].dims == ("energy", "member")
 
 
+COLD, HOT = shaken(beta=3), shaken(beta=1)
+
+
 def test_noise_and_seed_are_part_of_what_a_sweep_is(tmp_path):
     other = {**TABLES, "noise": {**TABLES["noise"], "inverse_temperature": 3}}
     marks = {
         lp.sweeps.SweepSpec(
             system, axes=(lp.sweeps.Axis("energy", (0.2,)),), t_end=1, n_starts=1, method=STEP, seed=seed
         ).fingerprint()
-        for system in (TABLES, other, shaken(), shaken(beta=3), shaken(0.5))
+        for system in (TABLES, other, shaken(), shaken(beta=3), shaken(0.5), shaken(third=4))
         for seed in (0, 1)
     }
-    assert len(marks) == 10
+    assert len(marks) == 12
+    assert digest_of(lambda beta: COLD) != digest_of(lambda beta: HOT)
     store = tmp_path / "a.zarr"
     lp.sweep(**SPEC | {"axes": {"s": [0.5]}}, store=store)
     with pytest.raises(OtherSweepError, match="seed 5 instead of 6"):

@@ -238,7 +238,8 @@ class SweepSpec:
 
     Args:
         system: Name of the catalog, path of a system file, tables of one, a system without free parameters, or a
-            function of parameters (by keyword) that returns a system, such as `lp.Top.kovalevskaya`.
+            function of parameters (by keyword) that returns a system, such as `lp.Top.kovalevskaya`.  Each of the last
+            four may be with noise, as `lp.stochastic.NoisySystem` is, at all points.
         axes: One or two.
         parameters: Values of the system's other parameters: numbers, formulas in the names of the axes, lists of them,
             such as `{"a": ["cos(phi)", "sin(phi)", 0]}`.
@@ -248,11 +249,15 @@ class SweepSpec:
             `lp.orbits.time_scale` has the natural unit of time of an orbit, of which some 1,000 are a long run.
         quantity: "exponent"; "chaotic_fraction", where each orbit is judged by `lp.decide`; the dotted name
             "package.module:function", or a function `f(system, starts, *, t_end, method, seed, threads)` that returns a
-            number for each start, shape (start,).
+            number for each start, shape (start,).  With noise there are no verdicts, exponents are those of
+            `lp.stochastic.noisy_exponents`, and a function is given the `NoisySystem` and all starts in their order,
+            NaN where there is none.
         rule: Thresholds of the verdicts for "chaotic_fraction", and for no other; by default those of `lp.decide`.
         method: How orbits are integrated; by default `Taylor(tol=1e-9, precision="mixed")` for tops, in double
-            precision for other systems; for "chaotic_fraction" that of `lp.decide`.
-        seed: Draws starts and tangent vectors.
+            precision for other systems; for "chaotic_fraction" that of `lp.decide`.  Exponents with noise need
+            `Splitting`, whose step has no default.
+        seed: Draws starts, tangent vectors and the paths of noise.  Start, tangent vector and path k are the same at
+            every point, so that a point is what one run gives with its starts and this seed, bit for bit.
         refine: Where to look closer, or None.
         name: How the sweep is called.
 
