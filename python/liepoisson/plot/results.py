@@ -269,7 +269,8 @@ def _passages(result: Any, *, ax: Axes | None = None) -> Axes:
     with house_style():
         ax = axes_or_new(ax)
         times, n = np.sort(result.time[result.passed]), len(result.time)
-        ax.stairs(np.arange(len(times) + 1) / n, [0.0, *times, result.t_end], baseline=None, color=ANGULAR_MOMENTUM)
+        share = np.append(np.arange(len(times) + 1), len(times)) / n
+        ax.step([0.0, *times, result.t_end], share, where="post", color=ANGULAR_MOMENTUM)
         ax.set(xlabel="$t$", ylabel=f"share past {plain(result.function)} = 0", ylim=(0, 1.02))
         ax.set_title(plain(result.system.name))
     return ax
