@@ -47,7 +47,9 @@ QUANTITIES = ("exponent", "chaotic_fraction")
 DEFAULT_ENSEMBLE = "unit-vectors"
 _MOST_POINTS = 2**24
 MOST_BYTES = 2**34
-"""Memory that the results of a grid may take: 9 bytes for each orbit of each point, which are in memory together."""
+"""Memory that the results of a grid may take: 9 bytes for each orbit of each point, which are in memory together.
+
+Errors of exponents with noise, 8 bytes each, come on top."""
 CASIMIR = re.compile(r"C[1-9][0-9]?")
 """Names of Casimirs."""
 COMPONENT = re.compile(r"(.*?)_?([1-9][0-9]?)")
