@@ -12,6 +12,7 @@ import typer
 from liepoisson.cli.options import Common, Files, Format, FormatOption, SeedOption, SystemArgument, Where, show
 from liepoisson.cli.output import result_files, write_figure, write_result
 from liepoisson.cli.runs import (
+    DEFAULT_STEP,
     N_STARTS,
     NO_RUN,
     EnsembleOption,
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
     from liepoisson.inputs.arrays import Array
     from liepoisson.noise.first_passages import FirstPassages
-    from liepoisson.noise.noise import NoisyRun
     from liepoisson.noise.stationary_law import StationaryLaw
 
 _MOST_BINS = 2**20
@@ -45,7 +45,7 @@ TRAJECTORIES_HELP = (
     f"[default: {N_STARTS}]"
 )
 T_END_HELP = "Time of each trajectory, the t of the equations."
-STEP_HELP = "Largest step of the splitting.  [default: 0.1 natural times of the median orbit without noise]"
+STEP_HELP = f"Largest step of the splitting.  [default: {DEFAULT_STEP} natural times of the median orbit without noise]"
 EDGES_HELP = "Edges of the bins, --edges -1,0,1; or bins of one width, --edges -1:1:20 for twenty of them."
 
 FunctionArgument: TypeAlias = Annotated[str, typer.Argument(help="A function of the state.", metavar="FUNCTION")]
@@ -80,7 +80,7 @@ def stationary(
     from liepoisson.noise.stationary_law import stationary_law
 
     _check(t_end, trajectories, seed, limits)
-    more = {"edges": _edges(edges), "transient": transient, "n_samples": samples}
+    more: dict[str, Any] = {"edges": _edges(edges), "transient": transient, "n_samples": samples}
     chosen: Any = read_shaken_equations(system, common.values)
     path, stem = result_files(files, chosen, common.values, "law")
     noisy = _with_noise(chosen)
@@ -194,7 +194,7 @@ def _written(found: StationaryLaw | FirstPassages, path: Path | None, stem: Path
     return [f"wrote    {one}" for one in written]
 
 
-def _head(found: NoisyRun, what: str, drawn: Starts) -> list[str]:
+def _head(found: Any, what: str, drawn: Starts) -> list[str]:
     return [
         f"{found.system.name}: {what}, {drawn.words}",
         *drawn.lines(found.system),

@@ -83,7 +83,7 @@ class Level:
         """Take over what a piece gave."""
         rows = self.rows(result.index)
         self.value[rows], self.outcome[rows] = result.value, result.outcome
-        if self.error is not None:
+        if self.error is not None and result.error is not None:
             self.error[rows] = result.error
         self.seconds[result.index], self.done[result.index] = result.seconds, True
         self.method = result.method or self.method
@@ -304,7 +304,7 @@ _DTYPES = {"point": "float64", "value": "float64", "error": "float64", "outcome"
 
 def _stored(of: Level | PieceResult) -> dict[str, NDArray[Any]]:
     """The arrays of which each piece has a chunk; the outcomes, which are written last, are the last."""
-    errors = {} if of.error is None else {"error": of.error}
+    errors: dict[str, NDArray[Any]] = {} if of.error is None else {"error": of.error}
     return {"value": of.value, **errors, "outcome": of.outcome}
 
 
