@@ -111,6 +111,7 @@ def test_systems_are_taken_as_objects_and_functions(kind):
     np.testing.assert_array_equal(found.error, wanted.error)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("system", [TABLES, shaken()], ids=["tables", "object"])
 def test_a_store_and_a_file_give_the_sweep_back(tmp_path, system):
     made = lp.sweep(**SPEC | {"system": system, "axes": {"energy": [0.2, 0.3]}}, store=tmp_path / "a.zarr")
