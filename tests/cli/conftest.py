@@ -16,6 +16,8 @@ LINES = {
     "melnikov": ("lagrange", "l1", "--start", "2,0,0,0,0,-1", "--origin", "alpha3=1", "--integral", "l3"),
     "fit": ("lagrange", "data.csv", "--unknown", "a3", "--start", "1,0,1,0,0,1"),
     "sweep": ("twist.toml",),
+    "stationary": ("shaken.toml", "l3", "--edges", "-1:1:2", "--t-end", "10"),
+    "passages": ("shaken.toml", "l3", "--t-end", "10"),
 }
 """What a command must be given; where it is only a system, nothing stands here."""
 

@@ -1,5 +1,7 @@
 """The commands that take a file with a table [noise], and those that refuse it."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -55,7 +57,86 @@ def test_exponents_are_those_of_python(command, file, tmp_path):
     assert figure.exists()
 
 
+SWEEP = """
+system = "body.toml"
+t_end = 5
+n_starts = 3
+seed = 7
+axes = [{ name = "s", values = [0.25, 0.5] }]
+method = { name = "splitting", step = 0.1 }
+"""
+
+
+def test_a_sweep_is_made_of_the_runs_of_lyapunov(command, file, tmp_path):
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    code, out, _ = command("sweep", tmp_path / "sweep.toml", "--quiet", "--out", tmp_path / "sweep.nc")
+    assert (code, "outcomes: finished 6" in out) == (0, True)
+    swept = lp.load(tmp_path / "sweep.nc")
+    for s, exponents, errors in zip((0.25, 0.5), swept.value, swept.error, strict=True):
+        options = (
+            "--set",
+            f"s={s}",
+            "--t-end",
+            5,
+            "--step",
+            0.1,
+            "--starts",
+            3,
+            "--seed",
+            7,
+            "--out",
+            tmp_path / "a.nc",
+        )
+        command("lyapunov", file, *options)
+        alone = lp.load(tmp_path / "a.nc")
+        assert np.array_equal(exponents, alone.exponent)
+        assert np.array_equal(errors, alone.error)
+
+
+RUN = ("--set", "s=1/2", *START, "--t-end", 8, "--step", 0.1, "--seed", 7, "--trajectories", 5)
+STARTS = np.tile([0.48, 0.6, 0.64], (5, 1))
+
+
+def test_a_law_is_that_of_python(command, file, tmp_path):
+    path, figure = tmp_path / "law.nc", tmp_path / "law.png"
+    options = ("--edges", "-1:1:4", "--transient", 2, "--samples", 50)
+    code, out, err = command("stationary", file, "l3", *RUN, *options, "--out", path, "--figure", figure)
+    assert (code, err) == (0, "")
+    wanted = lp.stochastic.stationary_law(
+        BODY, STARTS, "l3", **NOISE, t_end=8, transient=2, n_samples=50, edges=np.linspace(-1, 1, 5), seed=7,
+        method=lp.Splitting(step=0.1),
+    )  # fmt: skip
+    assert np.array_equal(lp.load(path).fraction, wanted.fraction)
+    assert "shaken body, s = 1/2: law of l3 from t = 2 to 8, 5 trajectories from one start\n" in out
+    assert f"{wanted.density[3]:8.4f}  {wanted.error[3]:8.4f}\noutside of the bins: 0.0000 of the samples\n" in out
+    assert figure.exists()
+    _, out, _ = command("stationary", file, "l3", *RUN, "--edges", "0,1/2", "--format", "json")
+    assert json.loads(out)["edges"] == [0.0, 0.5]
+
+
+def test_passages_are_those_of_python(command, file, tmp_path):
+    path, figure = tmp_path / "passages.nc", tmp_path / "passages.png"
+    line = ("passages", file, "l3 + 9/10", *RUN)
+    code, out, err = command(*line, "--out", path, "--figure", figure)
+    assert (code, err) == (0, "")
+    options = {"function": "l3 + 9/10", "t_end": 8, "seed": 7, "method": lp.Splitting(step=0.1)}
+    wanted = lp.stochastic.first_passages(BODY, STARTS, **NOISE, **options)
+    assert np.array_equal(lp.load(path).time, wanted.time, equal_nan=True)
+    assert 0 < wanted.passed.sum() < 5
+    assert f"passed   {wanted.passed.sum()} of 5\nmean     t = {wanted.mean}, under the condition" in out
+    assert figure.exists()
+    record = json.loads(command(*line, "--format", "json")[1])
+    assert [time is None for time in record["time"]] == (~wanted.passed).tolist()
+
+
+def test_the_exit_code_says_that_nothing_passed(command, file):
+    code, out, _ = command("passages", file, "l3 - 2", *START, "--t-end", 1, "--trajectories", 2)
+    assert (code, "passed   0 of 2\n" in out) == (1, True)
+
+
 REFUSED = {
+    "edges": (("stationary", "l3", *START, "--t-end", "1", "--edges", "0:1"), "LOW:HIGH:COUNT"),
+    "ensemble": (("passages", "l3", *START, "--t-end", "1", "--ensemble", "cube"), "exclude each other"),
     "method": (("orbit", *START, "--method", "taylor"), "wanted Splitting in double precision"),
     "tol": (("orbit", *START, "--tol", "1e-9"), "--tol is not an option of splitting"),
     "backwards": (("orbit", *START, "--t-end", "-1"), "a positive finite time"),
@@ -73,3 +154,8 @@ def test_what_noise_does_not_have_is_refused(command, file, line, words):
     code, _, err = command(name, file, *options)
     assert code == 2
     assert words in err
+
+
+def test_a_law_of_noise_needs_noise(command):
+    code, _, err = command("stationary", "lagrange", "l3", "--t-end", 1, "--edges", "0,1")
+    assert (code, "SYSTEM must be a file with a table [noise]; lagrange has no noise" in err) == (2, True)

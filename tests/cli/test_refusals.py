@@ -182,6 +182,7 @@ def here(tmp_path, monkeypatch):
         "long": f'name = "{"n" * 200_000}"\n{MATRIX}expression = "dot(l, A*l)"\n',
         "free": MATRIX.replace("A = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]", "k = 1") + 'expression = "k*l1^2 + l2^2"\n',
         "twist": TWIST,
+        "shaken": MATRIX + 'expression = "dot(l, A*l)"\n[noise]\nnoises = "l1"\n',
         "many": TWIST.replace('{name = "epsilon", values = [1]}', ", ".join(axes)),
         "large": TWIST.replace("n_starts = 1", "n_starts = 2147483648"),
     }.items():

@@ -53,6 +53,15 @@ def test_a_kind_without_a_figure_of_its_own_is_drawn_by_its_labels(monkeypatch, 
     plt.close("all")
 
 
+def test_first_passages_are_drawn_as_the_share_that_has_passed():
+    result = result_of(keys_made()["first passages"])
+    ((line,),) = (axes.lines for axes in lp.plot.draw(result).axes)
+    times, share = line.get_data()
+    passed = result.time[:, None] <= times  # a NaN has not passed
+    np.testing.assert_allclose(share, [row.mean() for row in passed.T])
+    plt.close("all")
+
+
 def test_a_scan_marks_the_points_with_further_integrals():
     scan = lp.integrability.scan_integrals(SYMMETRY, axes={"J": [1, "3/2"], "a": [0, 1]}, degree=2)
     lines = {line.get_label(): line.get_xydata() for line in lp.plot.draw(scan).axes[0].lines}

@@ -80,6 +80,14 @@ def test_a_sweep_stands_for_its_system(system, tmp_path):
     assert keys(lp.load(found.save(tmp_path / "sweep.nc"))) == ["liepoisson", PAPER]
 
 
+def test_a_sweep_of_a_file_with_noise_stands_for_its_system(tmp_path):
+    file, noise = tmp_path / "top.toml", '[noise]\nnoises = "alpha1"\n'
+    file.write_text(FILE.read_text(encoding="utf-8") + noise, encoding="utf-8")
+    method = lp.Splitting(step=0.1)
+    found = lp.sweep(system=file, parameters=VALUES, axes={"epsilon": [1]}, n_starts=1, t_end=1, method=method)
+    assert keys(found) == ["liepoisson", PAPER]
+
+
 def test_a_sweep_over_a_function_names_no_system():
     found = lp.sweep(system=lp.Top.twisted_kovalevskaya, axes={"epsilon": [0, 1]}, n_starts=1, t_end=1)
     with pytest.raises(ParameterError, match="give one of its systems"):

@@ -62,6 +62,8 @@ COMMANDS = {
     "decide": "chaos",
     "equilibria": "orbit",
     "relax": "relax",
+    "stationary": "noise",
+    "passages": "noise",
     "periodic": "periodic",
     "continue": "periodic",
     "melnikov": "periodic",

@@ -92,12 +92,9 @@ def read_file(argument: str) -> SystemFile:
 def _read_any_file(argument: str, *, noise: bool = False) -> EquationsFile:
     """The same, or the file of a vector field, or where `noise` is wanted of a system with noise."""
     from liepoisson.formula.toml_text import read_toml
-    from liepoisson.model.system_file_reader import read_equations, read_noisy_tables
+    from liepoisson.model.system_file_reader import read_equations
 
-    if not _is_path(argument):
-        return read_file(argument)
-    toml = read_toml(argument)
-    return read_noisy_tables(toml) if noise and "noise" in toml.tables else read_equations(toml)
+    return read_equations(read_toml(argument), noise=noise) if _is_path(argument) else read_file(argument)
 
 
 def with_settings(file: F, settings: Sequence[str]) -> F:

@@ -70,7 +70,7 @@ def columns_of(result: Result) -> dict[str, NDArray[Any]]:
     found = [
         (item.name, label, np.asarray(getattr(result, item.name)))
         for item in fields(result)  # pyright: ignore[reportArgumentType]  # results are dataclasses
-        if isinstance(label := item.metadata.get(KEY), ArrayLabel)
+        if isinstance(label := item.metadata.get(KEY), ArrayLabel) and getattr(result, item.name) is not None
     ]
     rows = _row_dims(result, found)
     sizes = {
@@ -162,7 +162,7 @@ class _Writer:
         values: dict[str, Any] = {}
         for item in fields(owner):
             label, value, name = item.metadata.get(KEY), getattr(owner, item.name), prefix + item.name
-            if isinstance(label, ArrayLabel):
+            if isinstance(label, ArrayLabel) and value is not None:
                 self.array(name, value, _renamed(label, prefix, own_dims))
             elif isinstance(label, PartLabel):
                 values[item.name] = None if value is None else self.values_of(value, label.prefix, label.own_dims)
@@ -280,7 +280,7 @@ def _read(kind: Any, dataset: Dataset, values: dict[str, Any], within: PartLabel
             found["system"] = system
             continue
         label, name = item.metadata.get(KEY), prefix + item.name
-        if isinstance(label, ArrayLabel):
+        if isinstance(label, ArrayLabel) and (name in dataset.variables or item.default is MISSING):
             found[item.name] = _array(dataset, name, _renamed(label, prefix, within.own_dims))
         elif isinstance(label, PartLabel):
             inner = values[item.name]

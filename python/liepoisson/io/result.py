@@ -105,10 +105,16 @@ class PiecesLabel:
 
 
 def labelled(
-    *dims: Any, long_name: str, units: str = "dimensionless", is_coordinate: bool = False, numbers: str = ""
+    *dims: Any,
+    long_name: str,
+    units: str = "dimensionless",
+    is_coordinate: bool = False,
+    numbers: str = "",
+    default: Any = MISSING,
 ) -> Any:
-    """A dataclass field that is an array with these dimensions (see `ArrayLabel`)."""
-    return field(metadata={KEY: ArrayLabel(dims, {"long_name": long_name, "units": units}, is_coordinate, numbers)})
+    """A dataclass field that is an array with these dimensions (see `ArrayLabel`); with the default None, or none."""
+    label = ArrayLabel(dims, {"long_name": long_name, "units": units}, is_coordinate, numbers)
+    return field(default=default, metadata={KEY: label})
 
 
 def names_along(dim: str, *, default: Any = MISSING) -> Any:

@@ -110,12 +110,16 @@ def read_noisy_tables(toml: TomlText) -> Any:
     return _Reader(toml).noisy()
 
 
-def read_equations(toml: TomlText) -> EquationsFile:
+def read_equations(toml: TomlText, *, noise: bool = False) -> EquationsFile:
     """What the tables of a file say, whether it describes a system, a damped one or a vector field.
+
+    Where `noise` is wanted, it may also be a system with noise.
 
     Raises:
         SystemFileError: they describe none; the message names the key, and the line where it can be found.
     """
+    if noise and "noise" in toml.tables:
+        return read_noisy_tables(toml)
     if "equations" in toml.tables:
         return _Reader(toml).vector_field()
     return _Reader(toml).damped() if "damping" in toml.tables else read_tables(toml)
@@ -196,8 +200,8 @@ class _Reader(BracketReader):
             raise self.toml.error(
                 ("noise",),
                 "wanted a system without noise. lp.stochastic.read_noisy_system reads one with noise, and so do the "
-                "commands orbit and lyapunov; all others need equations of motion, and a path of noise has none "
-                "(docs/noise.md). Remove the table for the system without noise.",
+                "commands that follow noise (docs/noise.md); all others need equations of motion, and a path of noise "
+                "has none. Remove the table for the system without noise.",
             )
 
     def own_part(self, file: SystemFile, unused: Sequence[str], formulas: Mapping[Any, Sequence[str]]) -> SystemFile:

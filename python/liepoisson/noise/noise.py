@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self, TypeAlias
 
 import numpy as np
@@ -125,7 +126,7 @@ class Noise:
             share: That of this part.
         """
         key = seeds(self.options.seed, Purpose.NOISE).generate_state(2, np.uint32).tolist()
-        field = core_field(self.options.field(self.system)).with_noise(
+        field = self._field.with_noise(
             self.pieces, self.energy, self.inverse_temperature, key, self.first, n_before, n_increments
         )
         states = self.start if start is None else start
@@ -144,6 +145,11 @@ class Noise:
         )
         in_shape = {"state": (len(states), len(times), states.shape[-1]), "final_state": states.shape}
         return raw | {name: raw[name].reshape(shape) for name, shape in in_shape.items()}
+
+    @cached_property
+    def _field(self) -> Any:
+        """The field without noise, for the core."""
+        return core_field(self.options.field(self.system))
 
     def n_steps_in(self, interval: float) -> int:
         """Equal steps that the core takes in an interval of time."""

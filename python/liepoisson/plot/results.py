@@ -264,6 +264,18 @@ def _law(result: Any, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
+def _passages(result: Any, *, ax: Axes | None = None) -> Axes:
+    """The share of the trajectories that have passed, against time."""
+    with house_style():
+        ax = axes_or_new(ax)
+        times, n = np.sort(result.time[result.passed]), len(result.time)
+        share = np.append(np.arange(len(times) + 1), len(times)) / n
+        ax.step([0.0, *times, result.t_end], share, where="post", color=ANGULAR_MOMENTUM)
+        ax.set(xlabel="$t$", ylabel=f"share past {plain(result.function)} = 0", ylim=(0, 1.02))
+        ax.set_title(plain(result.system.name))
+    return ax
+
+
 def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
     """The first numbers that the class says of each trajectory, against time if they have one."""
     data, dims = result.dataset, (("trajectory", "time"), ("trajectory",))
@@ -291,6 +303,7 @@ _FIGURES: dict[str, Callable[..., Any]] = {
     "orbit": orbit,
     "noisy orbits": orbit,
     "stationary law": _law,
+    "first passages": _passages,
     "orbit fit": orbit_fit,
     "chart orbit": lambda result, **options: orbit(result.run, **options),
     "attitude": lambda result, **options: orbit(result.orbit, **options),

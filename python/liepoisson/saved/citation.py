@@ -140,9 +140,9 @@ def _described(used: Any) -> Any:
     one = used if spec is None else spec.system
     if isinstance(one, str) or (spec is not None and isinstance(one, Path)):
         from liepoisson.catalog import entry
-        from liepoisson.model.system_file_reader import read_system_file
+        from liepoisson.formula.toml_text import read_toml
 
-        return read_system_file(one) if spec is not None and str(one).endswith(".toml") else entry(str(one))
+        return read_toml(one).tables if spec is not None and str(one).endswith(".toml") else entry(str(one))
     if spec is not None and isinstance(one, Mapping):
         return cast("Any", one)
     for found in (one, getattr(one, "system", None)):

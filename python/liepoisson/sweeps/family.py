@@ -20,6 +20,7 @@ from liepoisson.compile.field import Field, TopField
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
+from liepoisson.noise.noisy_system import NoisySystem
 from liepoisson.numeric.systems import HasField
 from liepoisson.sweeps.identity import is_system_file
 
@@ -76,6 +77,10 @@ class Family(ABC):
     def system(self, values: Mapping[str, Any]) -> Any:
         """The system with these values (numbers, tuples of them)."""
 
+    def has_noise(self, values: Mapping[str, Any]) -> bool:
+        """Whether the system with these values is one with noise."""
+        return isinstance(self.system(values), NoisySystem)
+
     def top(self, values: Mapping[str, Any]) -> TopField | None:
         """The system as a top, if it is one and this can be told without building it."""
         return None
@@ -84,6 +89,11 @@ class Family(ABC):
         """What integration needs of the system."""
         top = self.top(values)
         return self.system(values) if top is None else NumericTop(self.name, top)
+
+
+def quiet(system: Any) -> Any:
+    """The system without noise."""
+    return system.system if isinstance(system, NoisySystem) else system
 
 
 _ANY: Shape = (-1,)
@@ -109,12 +119,16 @@ class FileFamily(Family):
         from liepoisson.formula.toml_text import TomlText
         from liepoisson.model.system_file_reader import read_equations
 
-        return read_equations(TomlText(self._path, "", self._tables))
+        return read_equations(TomlText(self._path, "", self._tables), noise=True)
+
+    def has_noise(self, values: Mapping[str, Any]) -> bool:
+        """Whether the file has a table [noise]."""
+        return "noise" in self._tables
 
     @property
     def bracket_parameters(self) -> set[str]:
         """Those that it contains, or components of which it contains."""
-        bracket = getattr(self._file, "bracket", None)
+        bracket = getattr(getattr(self._file, "quiet", self._file), "bracket", None)
         owners = {self._file.scope.owner(symbol) for symbol in bracket.symbols} if bracket else set[str]()
         return {name for name in self.shapes if name in owners}
 
@@ -201,7 +215,7 @@ class FunctionFamily(Family):
 class OneSystem(Family):
     """A system without parameters to set."""
 
-    def __init__(self, system: HasField) -> None:
+    def __init__(self, system: HasField | NoisySystem) -> None:
         self._system = system
         self.name = system.name
         self.shapes, self.defaults = {}, {}
@@ -226,7 +240,7 @@ def as_family(system: Any) -> Family:
         text = str(system)
         path = Path(text) if is_system_file(text) else catalog.path(text)
         return FileFamily(read_toml(path).tables, text)
-    if callable(getattr(system, "field", None)):
+    if isinstance(system, NoisySystem) or callable(getattr(system, "field", None)):
         return OneSystem(system)
     if callable(system):
         return FunctionFamily(system)

@@ -15,6 +15,7 @@ import numpy as np
 
 from liepoisson.errors import ParameterError
 from liepoisson.model.equations_of_motion import EquationsOfMotion
+from liepoisson.noise.noisy_system import NoisySystem
 
 _PLAIN = (type(None), bool, int, float, complex, str, bytes, Fraction, type(Ellipsis), np.generic)
 
@@ -84,7 +85,7 @@ def _state_of_code(value: Any, inside: tuple[int, ...]) -> Any:
 def _state_of_named(value: Any) -> Any:
     if isinstance(value, ModuleType):
         return "module", value.__name__
-    if isinstance(value, EquationsOfMotion):
+    if isinstance(value, (EquationsOfMotion, NoisySystem)):
         return "system", *system_record(value).items()
     if isinstance(value, (type, BuiltinFunctionType, np.ufunc)) and _package(value) not in ("", "__main__"):
         return "name", _package(value), getattr(value, "__qualname__", value.__name__)
@@ -136,6 +137,9 @@ def system_record(system: Any) -> dict[str, str]:
 
     from liepoisson.algebra.exact_numbers import to_sympy
 
+    if isinstance(system, NoisySystem):
+        noise = {"noises": repr(system.noises), "inverse temperature": srepr(to_sympy(system.inverse_temperature))}
+        return system_record(system.system) | noise
     if not hasattr(system, "bracket"):
         return {"equations": repr({str(name): srepr(rate) for name, rate in system.equations.items()})}
     terms = system.bracket.terms()

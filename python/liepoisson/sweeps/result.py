@@ -33,13 +33,15 @@ _PER_POINT = (
     "chaotic_fraction_low", "chaotic_fraction_high", "reason",
 )  # fmt: skip
 _DIMENSIONS = ("member", "point", "level")
-OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "verdict", "value", "outcome"])
+OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "error", "verdict", "value", "outcome"])
 """Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
 _MEANING = {"standard_error": "of the mean over the starts: their spread over the root of their number"} | {
     f"{name}_{end}": f"{which} end of the 95% interval of the {word} over the starts"
     for name, word in (("mean", "mean"), ("chaotic_fraction", "fraction"))
     for end, which in (("low", "lower"), ("high", "upper"))
 }
+
+_OVER_TIME = "standard error of each exponent over its time"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,6 +62,8 @@ class Sweep(Result):
         value: Exponents in inverse time; verdicts, -1 regular, 0 undecided, +1 chaotic; or values of the quantity;
         shape (point, member); NaN where an orbit failed.
         outcome_code: How each orbit ended, shape (point, member), as numbers of `OUTCOMES`.
+        error: Of exponents along trajectories with noise the standard error of each over its time, shape (point,
+            member); None without noise.
         method: How orbits were integrated, in words.
         held: What is the same at all points, in words.
         reports: How the pieces of each level went.
@@ -81,6 +85,7 @@ class Sweep(Result):
     level: NDArray[np.int64] = labelled("point", long_name="level of refinement", units="1")
     value: Array = labelled("point", "member", long_name="exponents, verdicts (-1, 0, 1) or values")
     outcome_code: NDArray[np.int8] = labelled("point", "member", long_name="outcome by number", units="1")
+    error: Array | None = labelled("point", "member", long_name=_OVER_TIME, default=None)
     method: str
     held: tuple[str, ...]
     reports: tuple[Report, ...] = recorded(lambda _: None, lambda _: ())
@@ -313,6 +318,8 @@ class Sweep(Result):
         name = "exponent" if self.spec.is_exponent else "verdict" if is_verdict else "value"
         members = self.verdict if is_verdict else self.value
         variables[name] = ((*dims, "member"), members.reshape(*shape, -1))
+        if self.error is not None:
+            variables["error"] = ((*dims, "member"), self.error.reshape(*shape, -1), {"long_name": _OVER_TIME})
         variables["outcome"] = ((*dims, "member"), self.outcome.reshape(*shape, -1))
         coordinates: dict[str, Any] = (
             {name: list(axis.values) for name, axis in zip(names, self.spec.axes, strict=True)}

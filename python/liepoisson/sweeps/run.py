@@ -28,7 +28,7 @@ from liepoisson.sweeps.spec import QUANTITIES, Axis, SweepSpec, refinement_of, s
 from liepoisson.sweeps.spec_file import read_sweep_file
 from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
-from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve, with_method
+from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, has_errors, is_noisy, resolve, with_method
 
 PIECE_TIME = 1e6
 """Orbits times their time in a piece: 0.3 s of a core at 3.5e6 a second (tops, default method). A worker adds 3 ms."""
@@ -113,6 +113,7 @@ def sweep(
         as_count(points_per_piece, "points_per_piece", least=1, most=2**31, hint="leave it out")
     targets = evaluate_targets(spec, family, lattice.coordinates(lattice.grid()))
     meaning = check_casimirs(family, targets, spec.starts.sampling)
+    noise = is_noisy(spec, family, targets)
     spec = with_method(spec, family, targets)
     path = None if store is None else Path(store)
     if path is not None:
@@ -129,7 +130,7 @@ def sweep(
     with nullcontext() if path is None else exclusive(path):
         kept = None if path is None else SweepStore(path, spec, fresh=fresh)
         try:
-            return _Run(spec, family, lattice, kept, executor, points_per_piece, progress, meaning).result()
+            return _Run(spec, family, lattice, kept, noise, executor, points_per_piece, progress, meaning).result()
         finally:
             for one in made:
                 one.close()
@@ -138,7 +139,9 @@ def sweep(
 def read_sweep(path: str | Path) -> Sweep:
     """A sweep from its store, as far as it is computed; nothing is computed and nothing is written."""
     store = SweepStore.as_found(Path(path))
-    return _Run(store.spec, as_family(store.spec.system), Lattice(store.spec), store).result()
+    spec, family, lattice = store.spec, as_family(store.spec.system), Lattice(store.spec)
+    targets = evaluate_targets(spec, family, lattice.coordinates(lattice.grid()))
+    return _Run(spec, family, lattice, store, is_noisy(spec, family, targets)).result()
 
 
 def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
@@ -200,6 +203,7 @@ class _Run:
     family: Family
     lattice: Lattice
     store: SweepStore | None
+    noise: bool
     executor: Callable[[int], Threads | Cluster] | None = None
     points_per_piece: int | None = None
     progress: Progress | None = None
@@ -231,7 +235,10 @@ class _Run:
         points, n = self.lattice.coordinates(places), self.spec.n_starts
         size = self.points_per_piece or piece_size(self.spec, len(points))
         known = self.store is not None and (self.executor is not None or (self.store.path / f"level{number}").is_dir())
-        level = self.store.level(number, points, size, n) if self.store and known else Level.empty(points, size, n)
+        if self.store and known:
+            level = self.store.level(number, points, size, n, errors=self._has_errors)
+        else:
+            level = Level.empty(points, size, n, errors=self._has_errors)
         self.levels.append(level)
         self.n_reused += int(sum(len(points[level.rows(int(k))]) for k in np.flatnonzero(level.done)))
         missing = np.flatnonzero(~level.done).tolist()
@@ -270,8 +277,13 @@ class _Run:
     def _pieces(self, level: Level, missing: Sequence[int]) -> list[Piece]:
         targets = evaluate_targets(self.spec, self.family, level.points)
         return [
-            Piece(index, self.spec, self.family, targets.rows(level.rows(index)), self.meaning) for index in missing
+            Piece(index, self.spec, self.family, targets.rows(level.rows(index)), self.meaning, self.noise)
+            for index in missing
         ]
+
+    @property
+    def _has_errors(self) -> bool:
+        return has_errors(self.spec, noise=self.noise)
 
     def _sweep(self) -> Sweep:
         counts = [len(level.points) for level in self.levels]
@@ -281,9 +293,10 @@ class _Run:
             points=_joined([level.points for level in self.levels]),
             level=np.repeat(np.arange(len(counts)), counts),
             value=_joined([level.value for level in self.levels]),
+            error=_joined([cast("Array", level.error) for level in self.levels]) if self._has_errors else None,
             outcome_code=np.concatenate([level.outcome for level in self.levels]),
             method=next((level.method for level in self.levels if level.method), str(self.spec.method)),
-            held=tuple(self.spec.held()),
+            held=tuple(self.spec.held(noise=self.noise)),
             reports=tuple(self.reports),
             n_reused=self.n_reused,
             n_damaged=0 if self.store is None else self.store.damaged,

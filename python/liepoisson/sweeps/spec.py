@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
+from liepoisson.errors import ParameterError, ShapeError, SystemFileError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import names_of_places
 from liepoisson.formula.scalars import as_array, as_count, as_number, as_seed, as_time
 from liepoisson.formula.toml_text import parse_toml
@@ -28,6 +28,7 @@ from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
 from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.system_file_reader import read_equations
+from liepoisson.noise.noisy_system import NoisySystem
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import MethodChoice, as_choice, choice_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
@@ -46,7 +47,9 @@ QUANTITIES = ("exponent", "chaotic_fraction")
 DEFAULT_ENSEMBLE = "unit-vectors"
 _MOST_POINTS = 2**24
 MOST_BYTES = 2**34
-"""Memory that the results of a grid may take: 9 bytes for each orbit of each point, which are in memory together."""
+"""Memory that the results of a grid may take: 9 bytes for each orbit of each point, which are in memory together.
+
+Errors of exponents with noise, 8 bytes each, come on top."""
 CASIMIR = re.compile(r"C[1-9][0-9]?")
 """Names of Casimirs."""
 COMPONENT = re.compile(r"(.*?)_?([1-9][0-9]?)")
@@ -237,7 +240,8 @@ class SweepSpec:
 
     Args:
         system: Name of the catalog, path of a system file, tables of one, a system without free parameters, or a
-            function of parameters (by keyword) that returns a system, such as `lp.Top.kovalevskaya`.
+            function of parameters (by keyword) that returns a system, such as `lp.Top.kovalevskaya`.  Each of the last
+            four may be with noise, as `lp.stochastic.NoisySystem` is, at all points.
         axes: One or two.
         parameters: Values of the system's other parameters: numbers, formulas in the names of the axes, lists of them,
             such as `{"a": ["cos(phi)", "sin(phi)", 0]}`.
@@ -247,11 +251,15 @@ class SweepSpec:
             `lp.orbits.time_scale` has the natural unit of time of an orbit, of which some 1,000 are a long run.
         quantity: "exponent"; "chaotic_fraction", where each orbit is judged by `lp.decide`; the dotted name
             "package.module:function", or a function `f(system, starts, *, t_end, method, seed, threads)` that returns a
-            number for each start, shape (start,).
+            number for each start, shape (start,).  With noise there are no verdicts, exponents are those of
+            `lp.stochastic.noisy_exponents`, and a function is given the `NoisySystem` and all starts in their order,
+            NaN where there is none.
         rule: Thresholds of the verdicts for "chaotic_fraction", and for no other; by default those of `lp.decide`.
         method: How orbits are integrated; by default `Taylor(tol=1e-9, precision="mixed")` for tops, in double
-            precision for other systems; for "chaotic_fraction" that of `lp.decide`.
-        seed: Draws starts and tangent vectors.
+            precision for other systems; for "chaotic_fraction" that of `lp.decide`.  Exponents with noise need
+            `Splitting`, whose step has no default.
+        seed: Draws starts, tangent vectors and the paths of noise.  Start, tangent vector and path k are the same at
+            every point, so that a point is what one run gives with its starts and this seed, bit for bit.
         refine: Where to look closer, or None.
         name: How the sweep is called.
 
@@ -368,7 +376,7 @@ class SweepSpec:
     def description(self) -> dict[str, Any]:
         """The record with what changes no number: the names of the sweep and its axes, and the system as a text."""
         labels = [axis.label for axis in self.axes]
-        return {"name": self.name, "labels": labels, "system_file": getattr(self.system, "text", None)}
+        return {"name": self.name, "labels": labels, "system_file": _file_text(self.system)}
 
     @classmethod
     def of_record(cls, record: Mapping[str, Any], description: Mapping[str, Any] | None = None) -> SweepSpec:
@@ -381,7 +389,7 @@ class SweepSpec:
         }
         system = record["system"]
         if said["system_file"] is not None:
-            system = read_equations(parse_toml(said["system_file"], "the system of the sweep")).system()
+            system = read_equations(parse_toml(said["system_file"], "the system of the sweep"), noise=True).system()
         elif isinstance(system, Mapping) and "function" in system:
             system = _own_function("system", cast("Mapping[str, Any]", system))
         quantity, rule, method, refine = (record[name] for name in ("quantity", "rule", "method", "refine"))
@@ -427,7 +435,7 @@ class SweepSpec:
     def _refined_by(self) -> list[Any]:
         return ["chaotic_fraction"] if self.is_verdict else ["mean"]
 
-    def held(self) -> list[str]:
+    def held(self, *, noise: bool = False) -> list[str]:
         """What is the same at all points, in words."""
         fixed = [line for name, value in self.parameters.items() for line in self._fixed(name, value)]
         prescribed = {**self.starts.casimirs, **({} if self.starts.energy is None else {"H": self.starts.energy})}
@@ -439,6 +447,8 @@ class SweepSpec:
             lines.append(f"the starts: trajectory k of {self.starts.ensemble!r} is the same state at every point")
         if any(axis.name == "epsilon" for axis in self.axes) or _varies(self.parameters.get("epsilon", 0), self.axes):
             lines.append("epsilon by itself is a scale: what varies is epsilon |beta|, at the |beta| of the starts")
+        if noise:
+            lines.append("the noise: trajectory k follows the same path at every point")
         return lines
 
     def formulas(self) -> list[str]:
@@ -534,6 +544,16 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in cast("Sequence[Any]", value)]
     if callable(value):
         return cast("Any", function_record(value))
-    if isinstance(value, EquationsOfMotion):
+    if isinstance(value, (EquationsOfMotion, NoisySystem)):
         return cast("Any", system_record(value))
     return str(value)
+
+
+def _file_text(system: Any) -> str | None:
+    """The text of a file of a system that was given as such; None where there is none."""
+    if not isinstance(system, NoisySystem):
+        return getattr(system, "text", None)
+    try:
+        return system.file_text()
+    except SystemFileError:
+        return None

@@ -14,7 +14,7 @@ from liepoisson.compile.field import TopField
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.portable import linear
-from liepoisson.sweeps.family import Family, NumericTop
+from liepoisson.sweeps.family import Family, NumericTop, quiet
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.points import Targets
@@ -99,7 +99,7 @@ def check_casimirs(family: Family, targets: Targets, sampling: str = "projection
     n, systems = len(targets), list[Any]()
     for point in sorted({0, n // 2, n - 1}):
         with suppress(Exception):  # told of its point when it is computed
-            systems.append(family.numeric(targets.values(point)))
+            systems.append(quiet(family.numeric(targets.values(point))))
     others = [system for system in systems if not is_top(system)]
     known = {name for system in systems for name in _all_casimirs(system)}
     if systems and (unknown := [name for name in targets.casimirs if name not in known]):

@@ -3,10 +3,10 @@
     FILE.zarr/            attributes: the spec, its fingerprint, the version
       level0/             the grid; level1, level2, ... what refinement adds
         point             coordinates, (point, axis)
-        value, outcome    (point, member), a chunk for each piece
+        value, outcome    (point, member), a chunk for each piece; with noise also error
         seconds           (piece,), the time that each took
 
-A piece counts as done when the chunks of its values and of its outcomes are both there, whole and in their place, and
+A piece counts as done when the chunks of its values and of its outcomes are all there, whole and in their place, and
 no point of it failed.  A chunk is a Zstandard frame, a skippable frame (RFC 8878, 3.1.2) with a digest of its place
 (the sweep, the level, the array, the piece), which other readers pass over, and the checksum CRC-32C of both.  A file
 is written under another name and renamed, the outcomes last.
@@ -63,15 +63,17 @@ class Level:
     outcome: NDArray[np.int8]  # codes of `OUTCOMES`, shape (point, member)
     seconds: Array  # time of each piece; NaN where it is not known
     done: NDArray[np.bool_]  # which pieces are there
+    error: Array | None = None  # standard error over time of each value, shape (point, member), where they have one
     method: str = ""  # how orbits were integrated, in words
 
     @classmethod
-    def empty(cls, points: Array, size: int, n: int) -> Level:
+    def empty(cls, points: Array, size: int, n: int, *, errors: bool = False) -> Level:
         """A level of which nothing is computed yet."""
         pieces = -(-len(points) // size)
         shape = (len(points), n)
         blank = np.full(shape, NOT_COMPUTED, np.int8)
-        return cls(points, size, np.full(shape, np.nan), blank, np.full(pieces, np.nan), np.zeros(pieces, bool))
+        error = np.full(shape, np.nan) if errors else None
+        return cls(points, size, np.full(shape, np.nan), blank, np.full(pieces, np.nan), np.zeros(pieces, bool), error)
 
     def rows(self, piece: int) -> slice:
         """The points of a piece."""
@@ -81,6 +83,8 @@ class Level:
         """Take over what a piece gave."""
         rows = self.rows(result.index)
         self.value[rows], self.outcome[rows] = result.value, result.outcome
+        if self.error is not None and result.error is not None:
+            self.error[rows] = result.error
         self.seconds[result.index], self.done[result.index] = result.seconds, True
         self.method = result.method or self.method
 
@@ -161,8 +165,8 @@ class SweepStore:
         with _zarr(self.path):
             zarr.create_group(store=str(self.path), attributes=attributes, overwrite=False)
 
-    def level(self, number: int, points: Array, size: int, n: int) -> Level:
-        """A level with all of its pieces that are stored, whole and in their place.
+    def level(self, number: int, points: Array, size: int, n: int, *, errors: bool = False) -> Level:
+        """A level with all of its pieces that are stored, whole and in their place; `errors`: of values with errors.
 
         Arrays that are not there are made, except where the store is only read.
         """
@@ -172,9 +176,9 @@ class SweepStore:
         try:
             size = _stored_size(folder, size)
             if not self._is_read_only:
-                self._make_ready(folder, points, size, n)
+                self._make_ready(folder, points, size, n, errors=errors)
             arrays: Any = zarr.open_group(store=str(folder), mode="r", use_consolidated=False)
-            _check_arrays(arrays, _layouts(len(points), len(self.spec.axes), n, size))
+            _check_arrays(arrays, _layouts(len(points), len(self.spec.axes), n, size, errors=errors))
             stored = np.asarray(arrays["point"])
         except OutputError:
             raise
@@ -182,7 +186,7 @@ class SweepStore:
             raise DamagedFileError(f"{folder} cannot be read ({error}). {self._advice}") from error
         if not np.array_equal(stored, points):
             raise DamagedFileError(f"{folder} has other points than its spec says. {self._advice}")
-        level = Level.empty(points, size, n)
+        level = Level.empty(points, size, n, errors=errors)
         level.method = str(arrays.attrs.get("method", ""))
         for piece in range(len(level.done)):
             self._read_piece(folder, arrays, level, piece)
@@ -193,19 +197,18 @@ class SweepStore:
         """What to try with a store that is damaged; who only reads it shall not discard it."""
         return "Copy it again from where it was made." if self._is_read_only else "Start over with fresh (--fresh)."
 
-    def _make_ready(self, folder: Path, points: Array, size: int, n: int) -> None:
+    def _make_ready(self, folder: Path, points: Array, size: int, n: int, *, errors: bool) -> None:
         """Make the arrays that are not there, and remove what a process that was killed has left."""
         with _zarr(self.path):
-            self._create_level(folder, points, size, n)
+            self._create_level(folder, points, _layouts(len(points), points.shape[1], n, size, errors=errors))
             for partial in folder.glob("*/*.partial"):  # this process has the lock
                 if _PARTIAL.fullmatch(partial.name):
                     partial.unlink(missing_ok=True)
 
-    def _create_level(self, folder: Path, points: Array, size: int, n: int) -> None:
+    def _create_level(self, folder: Path, points: Array, layouts: Mapping[str, Any]) -> None:
         """Make what is not there: all of a new level, or what was removed from it."""
         import zarr
 
-        layouts = _layouts(len(points), points.shape[1], n, size)
         absent = [name for name in layouts if not (folder / name / "zarr.json").exists()]
         has_points = (folder / "point" / "0.0").exists()
         if not absent and has_points and (folder / "zarr.json").exists():
@@ -219,7 +222,8 @@ class SweepStore:
         zarr.consolidate_metadata(str(self.path))
 
     def _read_piece(self, folder: Path, arrays: Any, level: Level, piece: int) -> None:
-        files = [folder / name / f"{piece}.0" for name in ("value", "outcome")]
+        arrays_of_level = _stored(level)
+        files = [folder / name / f"{piece}.0" for name in arrays_of_level]
         if not all(file.exists() for file in files):
             return
         rows = level.rows(piece)
@@ -229,20 +233,22 @@ class SweepStore:
                 if file.read_bytes()[-4 - len(mark) : -4] != mark:
                     raise ValueError("it belongs to another place")
             # These reads check the sums, and with them the marks.
-            value, outcome = np.asarray(arrays["value"][rows]), np.asarray(arrays["outcome"][rows])
+            found = {name: np.asarray(arrays[name][rows]) for name in arrays_of_level}
         except Exception:  # which one depends on which bytes are hit
             self.damaged += 1
             return
         # A point that failed is tried again, with its piece.
-        level.value[rows], level.outcome[rows], level.done[piece] = value, outcome, not (outcome == FAILED).any()
+        for name, array in arrays_of_level.items():
+            array[rows] = found[name]
+        level.done[piece] = not (found["outcome"] == FAILED).any()
 
     def save(self, number: int, level: Level, result: PieceResult) -> None:
         """Store a piece."""
         rows = level.rows(result.index)
         n_filled = level.size - (rows.stop - rows.start)
         with writing(self.path):
-            for name, values, fill in (("value", result.value, np.nan), ("outcome", result.outcome, NOT_COMPUTED)):
-                dtype = np.dtype(_DTYPES[name]).newbyteorder("<")
+            for name, values in _stored(result).items():
+                dtype, fill = np.dtype(_DTYPES[name]).newbyteorder("<"), NOT_COMPUTED if name == "outcome" else np.nan
                 chunk = np.pad(values.astype(dtype), ((0, n_filled), (0, 0)), constant_values=fill)
                 file = self.path / f"level{number}" / name / f"{result.index}.0"
                 _replace(file, _encoded(chunk.tobytes(), self._mark_of(file, level.size)))
@@ -293,10 +299,16 @@ def read_attributes(path: Path) -> dict[str, Any]:
     return attributes
 
 
-_DTYPES = {"point": "float64", "value": "float64", "outcome": "int8", "seconds": "float64"}
+_DTYPES = {"point": "float64", "value": "float64", "error": "float64", "outcome": "int8", "seconds": "float64"}
 
 
-def _layouts(n_points: int, n_axes: int, n: int, size: int) -> dict[str, dict[str, Any]]:
+def _stored(of: Level | PieceResult) -> dict[str, NDArray[Any]]:
+    """The arrays of which each piece has a chunk; the outcomes, which are written last, are the last."""
+    errors: dict[str, NDArray[Any]] = {} if of.error is None else {"error": of.error}
+    return {"value": of.value, **errors, "outcome": of.outcome}
+
+
+def _layouts(n_points: int, n_axes: int, n: int, size: int, *, errors: bool) -> dict[str, dict[str, Any]]:
     """The arrays of a level, as Zarr makes them."""
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
@@ -304,6 +316,7 @@ def _layouts(n_points: int, n_axes: int, n: int, size: int) -> dict[str, dict[st
     shapes: dict[str, Any] = {
         "point": ((n_points, n_axes), (n_points, n_axes), np.nan, ("point", "axis")),
         "value": ((n_points, n), (size, n), np.nan, ("point", "member")),
+        **({"error": ((n_points, n), (size, n), np.nan, ("point", "member"))} if errors else {}),
         "outcome": ((n_points, n), (size, n), NOT_COMPUTED, ("point", "member")),
         "seconds": ((pieces,), (pieces,), np.nan, ("piece",)),
     }

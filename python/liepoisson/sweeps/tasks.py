@@ -20,13 +20,16 @@ from liepoisson.indicators.finite_time_exponents import exponents_of_many, finit
 from liepoisson.indicators.verdict import decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
+from liepoisson.noise.noisy_exponents import noisy_exponents
+from liepoisson.noise.noisy_system import NoisySystem
 from liepoisson.numeric.method.method import Method
+from liepoisson.numeric.method.splitting import Splitting
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.methods import Auto, as_choice, as_method
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.numeric.systems import at_equal_times, n_of_time
-from liepoisson.sweeps.family import Family, NumericTop
+from liepoisson.sweeps.family import Family, NumericTop, quiet
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
@@ -59,6 +62,7 @@ class Piece:
     targets: Targets  # parameters, energy and Casimirs of the points
     # what the prescribed Casimirs mean at all points; None if they can mean one thing only
     meaning: Meaning | None = None
+    noise: bool = False  # whether the systems have noise
     threads: int | None = 1  # threads of the core
     version: str = __version__  # version of liepoisson that may compute it
 
@@ -70,6 +74,8 @@ class PieceResult:
     index: int  # which piece
     value: Array  # shape (point, member); NaN where an orbit failed
     outcome: NDArray[np.int8]  # codes of `OUTCOMES`, shape (point, member)
+    # standard error over time of each exponent with noise, shape (point, member); None of other values
+    error: Array | None = None
     seconds: float = 0.0  # time that it took
     method: str = ""  # how it was integrated, in words
     # why points failed, have no system or other Casimirs, by their number in the piece
@@ -114,7 +120,8 @@ class _Points:
         self.piece = piece
         self.listen = listen
         shape = len(piece.targets), piece.spec.n_starts
-        self.found = PieceResult(piece.index, np.full(shape, np.nan), np.full(shape, NO_START, np.int8))
+        errors = np.full(shape, np.nan) if has_errors(piece.spec, noise=piece.noise) else None
+        self.found = PieceResult(piece.index, np.full(shape, np.nan), np.full(shape, NO_START, np.int8), errors)
         self.systems = _systems(piece, listen)
 
     def compute(self) -> None:
@@ -140,7 +147,7 @@ class _Points:
             return True
         self.listen(0.0)
         try:
-            require_meaning(self.systems[point], self.piece.meaning)
+            require_meaning(quiet(self.systems[point]), self.piece.meaning)
         except ParameterError as error:
             self._mark(point, NO_START, error)
             return False
@@ -159,6 +166,8 @@ class _Points:
 
     def _mark(self, point: int, code: int, error: Exception) -> None:
         self.found.value[point], self.found.outcome[point] = np.nan, code
+        if self.found.error is not None:
+            self.found.error[point] = np.nan
         self.found.failed[point] = f"{OUTCOMES[code]}: {type(error).__name__}: {error}"
 
     def _together(self, chosen: list[int]) -> None:
@@ -183,6 +192,11 @@ class _Points:
                     done.value[point], done.outcome[point] = _call(piece, system, x0[row], found[row])
                 continue
             done.method = str(_method(piece, system))
+            if done.error is not None:
+                for row, point in zip(rows, points, strict=True):
+                    given = system, x0[row], found[row], self.listen
+                    done.value[point], done.error[point], done.outcome[point] = _noisy_exponents(piece, *given)
+                continue
             if found[rows].any():
                 given = x0[rows], found[rows]
                 done.value[points], done.outcome[points] = _exponents(piece, system, *given, self.listen)
@@ -207,11 +221,22 @@ def _systems(piece: Piece, listen: Listener) -> list[Any]:
             listen(0.0)
             make = piece.family.numeric if piece.spec.quantity in QUANTITIES else piece.family.system
             try:
-                known[key] = make(values)
+                known[key] = _of_its_kind(piece, make(values))
             except Exception as error:
                 known[key] = error
         systems.append(known[key])
     return systems
+
+
+def _of_its_kind(piece: Piece, system: Any) -> Any:
+    """The system, with noise where those of the other points have it: exponents of both kinds are not compared."""
+    if isinstance(system, NoisySystem) != piece.noise:
+        kind, other = ("without", "with") if piece.noise else ("with", "without")
+        raise ParameterError(
+            f"system: wanted noise at all points or at none; got one {kind} noise where the first is {other}. Leave "
+            "out the points of one kind."
+        )
+    return system
 
 
 def _groups(systems: list[Any]) -> list[list[int]]:
@@ -223,7 +248,7 @@ def _groups(systems: list[Any]) -> list[list[int]]:
 
 def _starts(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Array, NDArray[np.bool_]]:
     """States, shape (point, member, component), and which of them have the prescribed energy and Casimirs."""
-    targets, n = piece.targets, piece.spec.n_starts
+    targets, n, systems = piece.targets, piece.spec.n_starts, [quiet(system) for system in systems]
     if piece.spec.starts.sampling == "liouville":
         return _liouville(piece, systems, listen)
     shape = (len(piece.targets), n)
@@ -261,6 +286,43 @@ def _liouville(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Arra
         x.append(liouville(whole, piece.spec.n_starts, piece.spec.seed, casimirs, energy))
     states = np.stack(x)
     return states, np.asarray(np.isfinite(states).all(axis=-1), np.bool_)
+
+
+def is_noisy(spec: SweepSpec, family: Family, targets: Targets) -> bool:
+    """Whether the systems have noise, as the first point that has a system says.
+
+    Raises:
+        ParameterError: they have, and the sweep asks for verdicts, or for exponents by another method than splitting.
+    """
+    for point in range(len(targets)):
+        try:
+            noise = family.has_noise(targets.values(point))
+        except Exception:  # each such point says why it has none when it is computed
+            continue
+        if noise:
+            _check_noise(spec)
+        return noise
+    return False
+
+
+def _check_noise(spec: SweepSpec) -> None:
+    if spec.is_verdict:
+        raise ParameterError(
+            'quantity: "chaotic_fraction" is of equations of motion, and a path of noise has none; try "exponent", or '
+            "a function"
+        )
+    method = as_choice(spec.method)
+    if spec.is_exponent and not (isinstance(method, Splitting) and method.precision == "double"):
+        raise ParameterError(
+            "method: wanted Splitting in double precision, whose steps noise can enter, with a step; got "
+            f"{'none' if method is None else method}; try Splitting(step=0.01), in a sweep file name = "
+            '"splitting" and step = 0.01 below [method]'
+        )
+
+
+def has_errors(spec: SweepSpec, *, noise: bool) -> bool:
+    """Whether each value has an error over its time."""
+    return noise and spec.is_exponent
 
 
 def with_method(spec: SweepSpec, family: Family, targets: Targets) -> SweepSpec:
@@ -347,6 +409,32 @@ def _exponents(
     return value, outcome
 
 
+def _noisy_exponents(
+    piece: Piece, system: NoisySystem, x0: Array, found: NDArray[np.bool_], listen: Listener
+) -> tuple[Array, Array, NDArray[np.int8]]:
+    """Exponents, errors over time and outcomes of one point, shape (trajectory,): those of `noisy_exponents`.
+
+    Trajectory k follows path k of the seed at every point.
+    """
+    shape = piece.spec.n_starts
+    if not found.any():
+        return np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, NO_START, np.int8)
+    run = noisy_exponents(
+        system.system,
+        # trajectory k keeps its path; rows without a start end at once
+        np.where(found[:, None], x0, np.nan),
+        **system.noise,
+        t_end=float(piece.spec.t_end),
+        method=cast("Splitting", piece.spec.method),
+        seed=piece.spec.seed,
+        threads=piece.threads,
+        time_limit=math.inf,
+        progress=listen,
+    )
+    codes = np.where(found, _ORDER[np.searchsorted(_SORTED, run.outcome)], NO_START).astype(np.int8)
+    return np.where(codes == 0, run.exponent, np.nan), np.where(codes == 0, run.error, np.nan), codes
+
+
 def _verdicts(
     piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_], listen: Listener
 ) -> tuple[Array, NDArray[np.int8]]:
@@ -381,13 +469,14 @@ def _call(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tup
     values, codes = np.full(spec.n_starts, np.nan), np.full(spec.n_starts, NO_START, np.int8)
     if found.any():
         options = {"t_end": float(spec.t_end), "method": spec.method, "seed": spec.seed, "threads": piece.threads}
-        given = function(system, x0[found], **options)
+        asked = found | piece.noise  # with noise trajectory k keeps its path; where it has no start its row is NaN
+        given = function(system, np.where(found[:, None], x0, np.nan)[asked], **options)
         returned = as_array(given, "quantity")
-        if returned.shape != (int(found.sum()),):
+        if returned.shape != (int(asked.sum()),):
             raise ParameterError(
-                f"quantity: wanted a number for each of {int(found.sum())} starts; got shape {returned.shape}."
+                f"quantity: wanted a number for each of {int(asked.sum())} starts; got shape {returned.shape}."
             )
-        values[found] = returned
+        values[asked] = returned
         codes[found] = np.where(np.isfinite(values[found]), 0, _NOT_FINITE)
     return np.where(codes == 0, values, np.nan), codes
 
