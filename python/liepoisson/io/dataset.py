@@ -162,8 +162,11 @@ class _Writer:
         values: dict[str, Any] = {}
         for item in fields(owner):
             label, value, name = item.metadata.get(KEY), getattr(owner, item.name), prefix + item.name
-            if isinstance(label, ArrayLabel) and value is not None:
-                self.array(name, value, _renamed(label, prefix, own_dims))
+            if isinstance(label, ArrayLabel):
+                if value is None:
+                    values[item.name] = None
+                else:
+                    self.array(name, value, _renamed(label, prefix, own_dims))
             elif isinstance(label, PartLabel):
                 values[item.name] = None if value is None else self.values_of(value, label.prefix, label.own_dims)
             elif isinstance(label, PiecesLabel):
