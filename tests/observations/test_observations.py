@@ -141,3 +141,9 @@ def test_dates_are_no_numbers(kind, hint):
     for data in ({"t": when, "x": X}, {"t": T, "x": pd.Series(when)}):
         with pytest.raises(ParameterError, match=rf"{hint}\) / np.timedelta64"):
             Observations(data)
+
+
+@pytest.mark.parametrize("text", ["# t x\n0 1\n1 2\n", "# t,x\n0,1\n.5,-2e-1\n"])
+def test_names_in_a_comment_are_refused(tmp_path, text):
+    with pytest.raises(ParameterError, match="without #"):
+        Observations(written(tmp_path, text))

@@ -26,6 +26,7 @@ Spread: TypeAlias = "float | str | Mapping[str, float | str]"
 
 _TIMES = ("t", "time")
 """Names of the column of times that need not be said."""
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _MISSING = frozenset({"", "na", "nan", "n/a", "null", "none", "<na>"})
 """Cells of a file without a value, in small letters."""
 _MOST_BYTES = 2**30
@@ -216,6 +217,11 @@ def _read_csv(path: Path) -> dict[str, Any]:
     if len(names) == 1 and (other := next((c for c in ";\t" if c in names[0]), None)):
         raise ParameterError(
             f"data: wanted values separated by commas; got {other!r} between them; save it with commas"
+        )
+    if all(_NUMBER.fullmatch(word) for name in names for word in name.split()):
+        raise ParameterError(
+            f"data: wanted a line of names first; got numbers, {', '.join(names):.60}; write the names above them, "
+            "without #, which begins a comment"
         )
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ParameterError(f"data: wanted each name of a column once; {twice[0]!r} comes twice. Rename one.")
