@@ -41,6 +41,43 @@ def test_a_passage_is_the_first_change_of_sign_of_the_orbits(monkeypatch):
     np.testing.assert_allclose(found.end_state, run.state[np.arange(5), first], atol=1e-13)
 
 
+LONG = {"t_end": 200, "noises": EACH, "seed": 2, "method": lp.Splitting(step=0.01, order=2)}
+"""20,000 steps, whose times are rounded."""
+
+
+def test_paths_of_long_runs_do_not_depend_on_the_parts(monkeypatch):
+    found = []
+    for numbers in (2**22, 3 * 1000):
+        monkeypatch.setattr("liepoisson.noise.noise._NUMBERS", numbers)
+        passage = lp.stochastic.first_passages(ROUND, [0, 0, 1], function="l3 + 2", **LONG)
+        law = lp.stochastic.stationary_law(
+            ROUND, [0, 0, 1], "l3", edges=[-1, 0, 1], n_samples=19_000, transient=10, **LONG
+        )
+        found.append((passage.end_state, law.fraction))
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+    np.testing.assert_array_equal(found[0][1], found[1][1])
+    run = lp.stochastic.noisy_orbits(
+        ROUND, [0, 0, 1], times=np.linspace(0, 200, 20_001), noises=EACH, seed=2, method=LONG["method"]
+    )
+    assert run.n_steps.tolist() == [20_000]
+    np.testing.assert_allclose(found[0][0], run.end_state, atol=1e-9)
+
+
+@pytest.mark.parametrize("h", [0.01, 0.1, 1 / 3])
+def test_a_step_between_rounded_times_is_one(h):
+    run = lp.stochastic.noisy_orbits(
+        ROUND, [0, 0, 1], times=np.arange(20_001) * h, noises="l1", method=lp.Splitting(step=h, order=2)
+    )
+    assert run.n_steps.tolist() == [20_000]
+
+
+def test_a_number_of_a_trajectory_has_48_bits():
+    run = {"noises": "l1", "t_end": 1, "method": STEP}
+    assert lp.stochastic.noisy_orbits(ROUND, [0, 0, 1], first=2**48 - 1, **run).n_steps[0] > 0
+    with pytest.raises(ParameterError, match="first"):
+        lp.stochastic.noisy_orbits(ROUND, [0, 0, 1], first=2**48, **run)
+
+
 def test_the_histogram_is_that_of_the_law_within_its_errors():
     starts = np.tile([1.0, 0, 0], (100, 1))
     options = {"transient": 8, "t_end": 28, "n_samples": 50, "method": lp.Splitting(step=0.05, order=2)}

@@ -115,3 +115,35 @@ def test_a_file_that_is_not_there_and_columns_of_other_lengths_are_refused(tmp_p
         Observations(tmp_path / "nothing.csv")
     with pytest.raises(ShapeError, match="columns of one length; got t 1, x 2"):
         Observations({"t": [0], "x": [1, 2]})
+
+
+def test_runs_have_all_digits_of_their_labels():
+    seen = Observations(
+        {"t": [0, 1, 0, 1], "x": [1, 2, 3, 4], "g": [0.1234567, 0.1234567, 0.1234568, 0.1234568]}, run="g"
+    )
+    assert seen.runs == ("0.1234567", "0.1234568")
+    assert Observations({"t": T, "x": X, "g": [2.0, 2.0, 1.0]}, run="g").runs == ("2", "1")
+
+
+@pytest.mark.parametrize(
+    "labels",
+    [[1, np.nan, np.nan], ["a", None, ""], np.ma.masked_values([1, -9, -9], -9)],
+    ids=["NaN", "none", "masked"],
+)
+def test_a_row_without_a_run_is_refused(labels):
+    with pytest.raises(ParameterError, match=r"rows 2, 3 have none"):
+        Observations({"t": T, "x": X, "g": labels}, run="g")
+
+
+@pytest.mark.parametrize(("kind", "hint"), [("M8[ns]", "column - start"), ("m8[s]", "column")])
+def test_dates_are_no_numbers(kind, hint):
+    when = np.array([0, 1, 2], dtype=kind)
+    for data in ({"t": when, "x": X}, {"t": T, "x": pd.Series(when)}):
+        with pytest.raises(ParameterError, match=rf"{hint}\) / np.timedelta64"):
+            Observations(data)
+
+
+@pytest.mark.parametrize("text", ["# t x\n0 1\n1 2\n", "# t,x\n0,1\n.5,-2e-1\n"])
+def test_names_in_a_comment_are_refused(tmp_path, text):
+    with pytest.raises(ParameterError, match="without #"):
+        Observations(written(tmp_path, text))

@@ -19,12 +19,15 @@ pub fn philox([mut k0, mut k1]: [u32; 2], mut counter: [u32; 4]) -> [u32; 4] {
     counter
 }
 
+/// The middle of one of 2^53 equal intervals of the unit one, from 64 bits: at least 2^-54, so that it has a logarithm, and 1
+/// where the middle of the last is rounded.
+fn between(high: u32, low: u32) -> f64 {
+    (((u64::from(high) << 32 | u64::from(low)) >> 11) as f64 + 0.5) * 2f64.powi(-53)
+}
+
 /// Two independent normal numbers of mean 0 and variance 1 at a counter; the same bits on every processor.
 pub fn two_normals(key: [u32; 2], counter: [u32; 4]) -> [f64; 2] {
     let [a, b, c, d] = philox(key, counter);
-    // the middle of one of 2^53 equal intervals: never 0 or 1
-    let between =
-        |high: u32, low: u32| (((u64::from(high) << 32 | u64::from(low)) >> 11) as f64 + 0.5) * 2f64.powi(-53);
     let radius = (-2.0 * libm::log(between(a, b))).sqrt();
     let (sine, cosine) = libm::sincos(2.0 * std::f64::consts::PI * between(c, d));
     [radius * cosine, radius * sine]
@@ -41,6 +44,13 @@ mod tests {
         assert_eq!(philox([u32::MAX; 2], [u32::MAX; 4]), [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
         let (key, counter) = ([0xa409_3822, 0x299f_31d0], [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344]);
         assert_eq!(philox(key, counter), [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]);
+    }
+
+    #[test]
+    fn extreme_words_have_logarithms() {
+        assert_eq!(between(0, 0), 2f64.powi(-54));
+        assert_eq!(between(u32::MAX, u32::MAX), 1.0); // 2^53 - 1/2 is rounded to even
+        assert_eq!((-2.0 * libm::log(1.0)).sqrt(), 0.0);
     }
 
     /// Of n numbers, the mean of z^k is within five standard errors of its value.

@@ -7,7 +7,6 @@ stays on its leaf.  A method of splitting needs the flow of each $H_k$: it has t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,7 +25,6 @@ from liepoisson.io.result import recorded
 from liepoisson.numeric.method.splitting import Splitting
 from liepoisson.numeric.run import Run
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.sampling import as_first
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import core_field, has_bracket
 from liepoisson.streams import Purpose, seeds
@@ -35,6 +33,8 @@ Noises: TypeAlias = "str | Sequence[Any]"
 """One noise Hamiltonian, or several: texts, SymPy expressions, functions on phase space."""
 _NUMBERS = 2**22
 """Numbers of the states that are in memory at once: 32 MiB."""
+_MOST_TRAJECTORIES = 2**48
+"""What a counter of the random numbers has room for beside the channel."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,7 +100,7 @@ class Noise:
         pieces = tuple(pieces_of_noise(system, noise, text) for noise, text in zip(given, texts, strict=True))
         states = as_starts(system, starts, options.field(system).n_components)
         energy = system.pieces().pieces if beta else ()  # pyright: ignore[reportAttributeAccessIssue]
-        first = as_first(options.first, len(states))
+        first = as_count(options.first, "first", most=_MOST_TRAJECTORIES - len(states))
         return cls(texts, pieces, energy, beta, options, system, states, first)
 
     def orbits(
@@ -151,11 +151,6 @@ class Noise:
         """The field without noise, for the core."""
         return core_field(self.options.field(self.system))
 
-    def n_steps_in(self, interval: float) -> int:
-        """Equal steps that the core takes in an interval of time."""
-        method: Any = self.options.method
-        return max(1, math.ceil(interval / method.step * (1.0 - 1e-12)))
-
     def in_parts(
         self, start: Array, begin: float, interval: float, count: int, *, n_before: int = 0
     ) -> Iterator[tuple[int, Array, Any]]:
@@ -175,9 +170,8 @@ class Noise:
         per_part = max(1, _NUMBERS // max(1, start.size))
         for first in range(0, count, per_part):
             at = begin + interval * np.arange(first, min(first + per_part, count) + 1, dtype=np.float64)
-            steps = n_before + first * self.n_steps_in(interval)
-            raw = self.orbits(at, start=start, n_before=steps, done=first / count, share=(len(at) - 1) / count)
-            start = raw["final_state"]
+            raw = self.orbits(at, start=start, n_before=n_before, done=first / count, share=(len(at) - 1) / count)
+            start, n_before = raw["final_state"], n_before + steps_taken(raw)
             yield first, at[1:], raw
 
     def given(self) -> dict[str, Any]:
@@ -185,6 +179,11 @@ class Noise:
         options = self.options
         own = {"noises": self.texts, "inverse_temperature": self.inverse_temperature, "first": self.first}
         return options.given(self.system, self.start) | own | {"seed": options.seed}
+
+
+def steps_taken(raw: Any) -> int:
+    """Steps of the trajectories that reached the end of a run of the core: all take the same."""
+    return int(raw["n_steps"].max(initial=0))
 
 
 def as_increments(value: Any) -> int:

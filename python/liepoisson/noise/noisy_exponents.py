@@ -15,7 +15,7 @@ from liepoisson.indicators.mean_error import mean_error, mean_interval
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.noise.noise import Noise, Noises, NoisyRun
+from liepoisson.noise.noise import Noise, Noises, NoisyRun, steps_taken
 from liepoisson.numeric.method.splitting import Splitting
 from liepoisson.numeric.run import outcome_names, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
@@ -132,7 +132,7 @@ def noisy_exponents(
     finite = np.isfinite(states).all(axis=1)
     if (linear.norm(vectors[finite], axis=1) == 0).any():
         raise ParameterError("starts: wanted states whose leaves are no points; got one where the bracket vanishes")
-    n_steps = noise.n_steps_in(end / count)
+    n_before = 0
     rates, outcome, present = np.full((len(states), count), np.nan), np.full(len(states), "finished", "U15"), states
     for block in range(count):
         with np.errstate(all="ignore"):
@@ -141,10 +141,11 @@ def noisy_exponents(
             np.array([0.0, end / count]),
             start=present,
             tangents=vectors,
-            n_before=block * n_steps,
+            n_before=n_before,
             done=block / count,
             share=1.0 / count,
         )
+        n_before += steps_taken(raw)
         going = outcome == "finished"
         outcome[going] = outcome_names(raw["outcome"])[going]
         present = raw["final_state"]

@@ -15,7 +15,7 @@ from liepoisson.indicators.mean_error import mean_over_starts
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.noise.noise import Noise, Noises, NoisyRun
+from liepoisson.noise.noise import Noise, Noises, NoisyRun, steps_taken
 from liepoisson.numeric.method.splitting import Splitting
 from liepoisson.numeric.run import outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
@@ -148,7 +148,7 @@ def stationary_law(
     start, outcome, n_before = noise.start, np.full(len(noise.start), "finished", dtype="U15"), 0
     if before:
         raw = noise.orbits(np.array([0.0, before]), share=before / end)
-        start, outcome, n_before = raw["final_state"], outcome_names(raw["outcome"]), noise.n_steps_in(before)
+        start, outcome, n_before = raw["final_state"], outcome_names(raw["outcome"]), steps_taken(raw)
     counts = np.zeros((len(start), len(bins) - 1))
     for _, _, raw in noise.in_parts(start, before, (end - before) / count, count, n_before=n_before):
         with np.errstate(all="ignore"):

@@ -26,6 +26,7 @@ Spread: TypeAlias = "float | str | Mapping[str, float | str]"
 
 _TIMES = ("t", "time")
 """Names of the column of times that need not be said."""
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _MISSING = frozenset({"", "na", "nan", "n/a", "null", "none", "<na>"})
 """Cells of a file without a value, in small letters."""
 _MOST_BYTES = 2**30
@@ -217,6 +218,11 @@ def _read_csv(path: Path) -> dict[str, Any]:
         raise ParameterError(
             f"data: wanted values separated by commas; got {other!r} between them; save it with commas"
         )
+    if all(_NUMBER.fullmatch(word) for name in names for word in name.split()):
+        raise ParameterError(
+            f"data: wanted a line of names first; got numbers, {', '.join(names):.60}; write the names above them, "
+            "without #, which begins a comment"
+        )
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ParameterError(f"data: wanted each name of a column once; {twice[0]!r} comes twice. Rename one.")
     for k, row in enumerate(rows[1:], start=1):
@@ -287,6 +293,12 @@ def _formulas(columns: Any, table: Mapping[str, Any], own: set[str]) -> dict[str
 def _numbers(column: Any, name: str) -> Array:
     """A column as doubles; NaN where a value is missing."""
     array = np.ma.asanyarray(column)
+    if array.dtype.kind in "mM":
+        start = " - start" if array.dtype.kind == "M" else ""
+        raise ParameterError(
+            f"data: wanted numbers; got {array.dtype} in {name}, whose unit equations do not know; try "
+            f'(column{start}) / np.timedelta64(1, "s")'
+        )
     plain = array.astype(np.float64).filled(np.nan) if np.ma.is_masked(array) else np.asarray(array.data)
     if plain.ndim != 1:
         raise ShapeError(f"data: wanted one number in each row; {name} has the shape {plain.shape}; give it in columns")
@@ -295,12 +307,18 @@ def _numbers(column: Any, name: str) -> Array:
     return np.array([_number(value, name, k) for k, value in enumerate(plain.tolist(), start=1)], dtype=np.float64)
 
 
+def _is_missing(value: Any) -> bool:
+    if isinstance(value, str):
+        return value.strip().lower() in _MISSING
+    if isinstance(value, float):
+        return np.isnan(value).item()
+    return value is None or type(value).__name__ in ("NAType", "NaTType")
+
+
 def _number(value: Any, name: str, row: int) -> float:
-    if value is None or type(value).__name__ in ("NAType", "NaTType"):
+    if _is_missing(value):
         return np.nan
     if isinstance(value, str):
-        if value.strip().lower() in _MISSING:
-            return np.nan
         try:
             return float(value)
         except ValueError:
@@ -347,6 +365,11 @@ def _deviations(
 
 def _runs(column: Any) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     """Names of the runs in the order in which they begin, and the place of each row among them."""
-    texts = [f"{value:g}" if isinstance(value, float) else str(value) for value in np.asarray(column).tolist()]
+    values = np.ma.asanyarray(column).tolist()
+    if missing := [str(row) for row, value in enumerate(values, start=1) if _is_missing(value)]:
+        raise ParameterError(
+            f"run: wanted the run of each row; rows {', '.join(missing):.100} have none; fill them in, or drop the rows"
+        )
+    texts = [repr(value).removesuffix(".0") if isinstance(value, float) else str(value) for value in values]
     names = tuple(dict.fromkeys(texts))
     return names, np.array([names.index(text) for text in texts], dtype=np.int64)

@@ -148,9 +148,11 @@ impl Worker<'_> {
         let mut repeats = most_repeats.min(most);
         for slot in slots.iter_mut().filter(|slot| slot.occupied) {
             if slot.steps_left == 0 {
-                let interval = slot.until(times[slot.next_sample.max(1)]);
-                // a whole number of steps up to round-off is not one step more
-                let count = (interval.abs() / longest * (1.0 - 1e-12)).ceil().max(1.0);
+                let end = times[slot.next_sample.max(1)];
+                let interval = slot.until(end);
+                // a whole number of steps up to the rounding of both times, and of what they were made of, is not one step more
+                let rounding = 8.0 * f64::EPSILON * end.abs().max((end - interval).abs());
+                let count = ((interval.abs() - rounding) / longest).ceil().max(1.0);
                 (slot.steps_left, slot.equal_step) = (count as u64, precision.nearest(interval / count));
             }
             if slot.careful_steps > 0 {
