@@ -76,6 +76,7 @@ def test_the_pointer_tells_the_orbit(shown):
     assert hovered["chosen"] == hovered["index"]
     assert f"Orbit {hovered['index'] + 1}: regular, λ = " in hovered["status"]
     assert len(shown["listed"]) == 21
+    assert hovered["before"] == hovered["after"], "the section keeps its size"
 
 
 def test_a_slider_makes_a_new_fan(shown):

@@ -55,6 +55,8 @@ await canvas.click({ position: { x: box.width * 0.55, y: box.height * 0.45 } });
 await first.waitForTimeout(400);
 await finished(first);
 found.clicked = { ...(await readOut(first)), added: await first.evaluate(() => window.laboratory.state().added), address: await addressOf(first) };
+const height = () => first.evaluate(() => document.querySelector("#section .plot").clientHeight);
+const tall = await height();
 const place = await first.evaluate(() => {
   // a crossing of a regular orbit that has no other orbit beside it
   const { orbits, places } = window.laboratory.fan();
@@ -67,9 +69,9 @@ const place = await first.evaluate(() => {
 });
 await canvas.hover({ position: { x: place.x, y: place.y } });
 await first.waitForFunction((index) => window.laboratory.fan().chosen === index, place.index, { timeout: 5_000 }).catch(() => {});
-found.hovered = { ...(await first.evaluate(() => ({ chosen: window.laboratory.fan().chosen, status: document.querySelector(".fan .status").textContent }))), index: place.index };
+found.hovered = { ...(await first.evaluate(() => ({ chosen: window.laboratory.fan().chosen, status: document.querySelector(".fan .status").textContent }))), index: place.index, before: tall, after: await height() };
 await first.getByRole("button", { name: "List" }).click();
-found.listed = await first.locator(".orbits button").allTextContents();
+found.listed = await first.locator(".orbits .orbit").allTextContents();
 await first.keyboard.press("Escape");
 await first.close();
 
@@ -77,8 +79,8 @@ const sliding = await opened("#own=1&example=heavy-top");
 const before = await readOut(sliding);
 await sliding.locator(".parameter input[type=range]").first().focus();
 for (let k = 0; k < 3; k++) await sliding.keyboard.press("ArrowRight");
-await sliding.waitForFunction(() => !window.laboratory.fan().finished, null, { timeout: 30_000 });
-await finished(sliding);
+const isNew = (old) => window.laboratory.fan().finished && window.laboratory.fan().orbits.some(({ crossings }, k) => crossings[1] !== old[k]);
+await sliding.waitForFunction(isNew, before.orbits.map(({ start }) => start[1]), { timeout: 60_000 });
 found.slid = { before: before.orbits.map(({ start }) => start), after: (await readOut(sliding)).orbits.map(({ start }) => start) };
 await sliding.locator(".fan select").selectOption("0");
 await sliding.waitForTimeout(200);

@@ -40,6 +40,7 @@ export class SectionPanel {
   /** Leaves its canvas to others, or takes it again. */
   use(active: boolean): void {
     if (active && !this.active) this.shown = null;
+    if (!active) setText(this.remark, "");
     this.active = active;
   }
 

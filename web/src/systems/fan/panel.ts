@@ -38,7 +38,7 @@ const REST = 250;
 const REACH = 10;
 /** Digits of a point that is clicked, beyond which no pixel tells. */
 const DIGITS = 5;
-const NOTHING = { guesses: 0, failed: 0, left: 0, missed: 0, nothing: "", end: 0 };
+const NOTHING = { guesses: 0, failed: 0, left: 0, last: false, nothing: "", end: 0 };
 const VERDICTS = ["regular", "chaotic", "undecided"] as const;
 const SHAPES: Record<Verdict, string> = { regular: "●", chaotic: "✕", undecided: "□" };
 
@@ -89,7 +89,7 @@ export class FanSection {
     Object.assign(listed, { type: "button", textContent: "List", title: "The orbits with their verdicts" });
     listed.setAttribute("aria-expanded", "false");
     listed.addEventListener("click", () => this.openList(list.hidden === true));
-    Object.assign(remove, { type: "button", textContent: "Remove", title: "Remove the orbits that were added by clicks" });
+    Object.assign(remove, { type: "button", textContent: "Remove the added orbits" });
     remove.addEventListener("click", () => this.does.act({ do: "orbits", added: [] }));
     counts.className = "counts";
     status.className = "status";
@@ -101,7 +101,7 @@ export class FanSection {
       listed.focus();
     });
     count.addEventListener("change", () => this.does.act({ do: "fan", count: Number(count.value) }));
-    bar.append(counts, status, remove, listed, count);
+    bar.append(counts, status, listed, count);
     bar.hidden = withoutFan(this.system) !== null;
     this.panel.append(bar, list);
   }
@@ -156,10 +156,9 @@ export class FanSection {
       this.count.replaceChildren(...wanted.map((value) => new Option(value === "0" ? "1 orbit" : `${value} orbits`, value)));
     }
     this.count.value = String(fan);
-    const { bar, counts, listed, remove, status, state } = this;
+    const { bar, counts, listed, status } = this;
     bar.classList.toggle("off", fan === 0);
     counts.hidden = listed.hidden = status.hidden = fan === 0;
-    remove.hidden = fan === 0 || !state?.added.length;
     if (fan === 0) {
       this.openList(false);
       setText(this.remark, "");
@@ -183,8 +182,8 @@ export class FanSection {
   private take(update: FanUpdate): void {
     if (update.say === "starts") {
       this.empty();
-      Object.assign(this.about, { guesses: update.guesses, failed: update.failed, missed: update.missed.length });
-      if (update.missed.includes((this.state?.added.length ?? 0) - 1)) this.does.say("no orbit of this energy goes through the point");
+      Object.assign(this.about, { guesses: update.guesses, failed: update.failed, last: update.missed.includes((this.state?.added.length ?? 0) - 1) });
+      if (this.about.last) this.does.say("no orbit of this energy goes through the point");
     } else if (update.say === "orbit") {
       this.orbits[update.index] = { ...update, verdict: null, exponent: Number.NaN, indicators: [] };
     } else if (update.say === "verdict") {
@@ -267,10 +266,10 @@ export class FanSection {
     const [n, [first, second]] = [this.system.components.length, this.columns];
     c.beginPath();
     c.strokeStyle = c.fillStyle = colour;
-    c.lineWidth = size;
+    c.lineWidth = 0.8 * size;
     for (let at = 0; at < crossings.length; at += n) {
       const [x, y] = [plot.px(crossings[at + first]), plot.py(crossings[at + second])];
-      const half = 1.25 * size;
+      const half = (verdict === "chaotic" ? 1.25 : 1.1) * size;
       if (verdict === "chaotic") {
         c.moveTo(x - half, y - half);
         c.lineTo(x + half, y + half);
@@ -329,18 +328,21 @@ export class FanSection {
   /** What is said below the section. */
   private describe(): void {
     const { orbits, about, chosen, finished } = this;
-    const { guesses, failed, left, missed } = about;
+    const { guesses, failed, left, last } = about;
     const parts = [];
     if (chosen !== null && orbits[chosen]) parts.push(this.said(chosen));
     else if (!finished) parts.push(orbits.some(({ verdict }) => verdict) || orbits.length >= (this.state?.fan ?? 0) ? "Deciding …" : "Filling the section …");
+    else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
       parts.push("A click adds an orbit.");
       if (failed) parts.push(`${failed} of ${guesses} guesses failed.`);
       if (left) parts.push(`${left} ${left === 1 ? "orbit runs" : "orbits run"} away.`);
-      if (missed) parts.push(`No orbit of this energy goes through ${missed === 1 ? "one point" : `${missed} points`}.`);
     }
     const text = parts.join(" ");
-    if (this.status.textContent !== text) this.status.textContent = text;
+    if (this.status.textContent === text) return;
+    this.status.textContent = text;
+    // it has two lines, so that the section keeps its size
+    this.status.title = text;
   }
 
   private said(index: number): string {
@@ -361,6 +363,7 @@ export class FanSection {
     const rows = this.orbits.map((orbit, k) => {
       const row = document.createElement("button");
       row.type = "button";
+      row.className = "orbit";
       row.title = "Follow this orbit";
       const number = Object.assign(document.createElement("span"), { textContent: `${k + 1}${orbit.added === null ? "" : "+"}` });
       const verdict = document.createElement("span");
@@ -372,8 +375,8 @@ export class FanSection {
       row.addEventListener("focus", () => this.choose(k));
       return row;
     });
-    const focused = [...this.list.querySelectorAll("button")].indexOf(document.activeElement as HTMLButtonElement);
-    this.list.replaceChildren(note, ...rows);
+    const focused = [...this.list.querySelectorAll("button.orbit")].indexOf(document.activeElement as HTMLButtonElement);
+    this.list.replaceChildren(note, ...(this.state?.added.length ? [this.remove] : []), ...rows);
     if (focused >= 0) rows[focused]?.focus();
   }
 
