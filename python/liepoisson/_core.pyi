@@ -1,7 +1,7 @@
 """Types of the compiled core. Arrays of trajectories are flat, float64, row-major."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, NotRequired, TypedDict, final
+from typing import Any, NotRequired, TypeAlias, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ __all__ = [
     "TypedSystem",
     "__version__",
     "available_simd",
+    "average_changes",
     "carry_frames",
     "check_covering_relations",
     "cholesky",
@@ -27,6 +28,8 @@ __all__ = [
     "enclose_section_map",
     "fourier_transforms",
     "growth",
+    "growth_powers",
+    "megno",
     "methods",
     "modular_null_space",
     "orbits",
@@ -36,12 +39,16 @@ __all__ = [
     "printed_field",
     "printed_functions",
     "products",
+    "sali",
     "sections",
     "simd",
     "singular",
     "solutions",
     "states_at",
     "symmetric",
+    "usual_rule",
+    "verdicts",
+    "votes",
 ]
 
 __version__: str
@@ -397,3 +404,13 @@ def check_covering_relations(
     time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> _CoveringMargins: ...
+
+Thresholds: TypeAlias = tuple[tuple[float, float], tuple[float, float], tuple[float, float], float, float]
+
+def usual_rule() -> Thresholds: ...
+def votes(rule: Thresholds, indicators: _Array) -> NDArray[np.int8]: ...
+def verdicts(rule: Thresholds, votes: NDArray[np.int8], natural_time: _Array) -> NDArray[np.int8]: ...
+def megno(times: _Array, log_growth: _Array) -> tuple[_Array, _Array]: ...
+def growth_powers(times: _Array, log_growth: _Array) -> _Array: ...
+def sali(pairs: _Array, n: int) -> _Array: ...
+def average_changes(values: _Array, n_rows: int, n: int) -> _Array: ...

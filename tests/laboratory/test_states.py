@@ -50,11 +50,12 @@ def test_an_address_of_a_top_is_read_and_written_as_it_was(tops):
 def test_an_address_of_a_system_is_read_and_written_as_it_was(kirchhoff):
     address = (
         f"v=1&system={kirchhoff.system}&start=1,0.2,0,0,0.6,0.8&section=7,0&axes=1,4&theme=auto&t=3&speed=2&"
-        "view=projection&space=1,2,0&series=2,5&tol=1e-10"
+        "view=projection&space=1,2,0&series=2,5&fan=20&orbits=0.5,-1,0.25,2&tol=1e-10"
     )
     state = kirchhoff.read(address)
     assert (state["surface"], state["axes"]) == ("dot(m, m) - 1/2", ("m1", "p1"))
     assert (state["projection"], state["series"]) == (("m1", "m2"), ("m2", "p2"))
+    assert (state["fan"], state["orbits"]) == (20, ((0.5, -1), (0.25, 2)))
     assert kirchhoff.write(state) == address
 
 
@@ -119,7 +120,7 @@ def test_what_cannot_be_is_refused_with_a_reason(tops, change, error, words):
 SCRAPS = (
     "v=1", "&", "=", ",", "1", "-1", "0", "1e5", "1e400", "1/3", "1/0", "l1", "%00", "%ff", ";", "#", "<", "\u2028",
     "x", "dark", "lagrange", "taylor,", *("&" + name + "=" for name in ("top", "start", "section", "axes", "theme", "t",
-    "speed", "method", "frame", "shadow", "view", "space", "series", "tol", "preset")),
+    "speed", "method", "frame", "shadow", "view", "space", "series", "fan", "orbits", "tol", "preset")),
 )  # fmt: skip
 
 
@@ -147,6 +148,11 @@ def test_what_a_system_cannot_show_is_refused(kirchhoff):
         ({"projection": ["m1"]}, ParameterError),
         ({"view": "body"}, UnknownNameError),
         ({"view": "picture"}, UnknownNameError),
+        ({"fan": 9}, ParameterError),
+        ({"fan": 41}, ParameterError),
+        ({"orbits": [[1, 2, 3]]}, ShapeError),
+        ({"orbits": [[0, 1]] * 41}, ParameterError),
+        ({"orbits": [[0, np.inf]]}, ParameterError),
     ):
         with pytest.raises(error):
             kirchhoff.changed({}, change)
@@ -178,6 +184,9 @@ def test_words_and_limits_are_those_of_the_page():
 
     assert number("state/laboratory.ts", "HORIZON") == number("systems/state.ts", "UNITS") == states.HORIZON
     assert number("systems/state.ts", "MOST_SERIES") == states.MOST_SERIES
+    assert number("systems/state.ts", "MOST_ADDED") == states.MOST_ADDED
+    fans = re.search(r"FANS = \[(\d+), .*?(\d+)\]", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
+    assert tuple(map(int, fans.groups())) == states.FANS
     assert tuple(number("state/laboratory.ts", name) for name in ("SLOWEST", "FASTEST")) == states.SPEEDS
     vectors = re.search(r"own % 3 === 0 && own <= (\d+)", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
     assert int(vectors[1]) == states.MOST_IN_VECTORS

@@ -20,7 +20,10 @@ import pytest
 import liepoisson as lp
 from liepoisson.compile.field import TapeField, TapeFunction, record_of
 from liepoisson.laboratory.description import description_of
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.sampling import sample_alignment_vectors, sample_tangents
 from liepoisson.numeric.systems import as_field
+from liepoisson.numeric.time_scale import orbit_units
 
 ROOT = Path(__file__).resolve().parents[2]
 WEB = ROOT / "web"
@@ -137,6 +140,26 @@ def exponent_case(name, system, starts, tangents, times):
         "exponent": growth.exponent.tolist(),
         # the vector is stretched along an orbit that is off by the error of the state
         "bounds": (4 * np.array(errors)).ravel().tolist(),
+    }
+
+
+def verdict_case(name, system, starts, end, distance):
+    """Verdicts with Python's tangent vectors; `distance` is that of indicators, for orbits that are regular."""
+    found, n = lp.decide(system, starts, t_end=end), len(starts[0])
+    units = orbit_units(system, starts, RunOptions.read(None, 1, 60.0, system=system))
+    growing = sample_tangents(n, len(starts), seed=0)[:, None]
+    vectors = np.concatenate([growing, sample_alignment_vectors(n, len(starts), 2, seed=0)], axis=1)
+    return {
+        "name": name,
+        "field": record_of(as_field(system)),
+        "starts": np.asarray(starts).tolist(),
+        "tangents": (units.component[:, None] * vectors).tolist(),
+        "times": units.time.tolist(),
+        "units": units.component.tolist(),
+        "end": end,
+        "kinds": [("regular", "undecided", "chaotic").index(kind) - 1 for kind in found.verdict],
+        "indicators": np.stack([found.growth_power, found.mean_megno, found.sali, found.average_drift], -1).tolist(),
+        "distance": distance,
     }
 
 
@@ -339,6 +362,10 @@ def cases():
         ],
         "typed": typed_cases(),
         "exponents": [exponent_case("top", TOP, starts, tangents, np.array([5.0, 10.0, 20.0]))],
+        "verdicts": [
+            verdict_case("henon-heiles", henon, [[0.0, 0.1, 0.3, 0.0], [0.0, -0.1, 0.5, 0.0]], 1000.0, 1e-6),
+            verdict_case("top", TOP, starts, 300.0, 1e-6),
+        ],
         "values": [
             value_case("invariants", invariants, states, np.stack(list(TOP.invariant_values(states).values()), -1)),
             value_case(
@@ -386,6 +413,8 @@ NAMES = [
     "section: surface with a sine",
     "section: angle modulo a turn",
     "exponents: top",
+    "verdicts: henon-heiles",
+    "verdicts: top",
     "a system is written as trees that the core derives",
     "typed: Hénon–Heiles",
     "typed: twisted top",

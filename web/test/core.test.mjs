@@ -77,6 +77,25 @@ for (const { name, field, starts, tangents, times, exponent, bounds } of cases.e
   });
 }
 
+for (const { name, field, starts, tangents, times, units, end, kinds, indicators, distance } of cases.verdicts) {
+  test(`verdicts: ${name}`, async () => {
+    const core = await Core.start(program);
+    const [f, m] = [core.field(field), core.method({ kind: "taylor", tol: 1e-13 })];
+    const periods = starts[0].map(() => Infinity);
+    const own = core.units(f, m, starts.flat(), periods);
+    // the derivative of the field has errors of 1e-8 from round-off
+    const near = (got, wanted, relative, what) => wanted.forEach((value, k) => assert.ok(Math.abs(got[k] - value) <= relative * Math.abs(value), `${what} ${k}: ${got[k]} for ${value}`));
+    near(own.time, times, 1e-6, "time");
+    near(own.component, units.flat(), 1e-6, "unit");
+    const course = { tangents: tangents.flat(2), units: units.flat(), periods, naturalTimes: times.map((time) => end / time), end, isPlane: false };
+    const said = core.decide(f, m, starts.flat(), course);
+    assert.deepEqual([...said.kind], kinds);
+    assert.ok(said.outcome.every((outcome) => outcome === "finished"));
+    kinds.forEach((kind, k) => kind === -1 && near(said.indicators.slice(4 * k, 4 * k + 4), indicators[k], distance, "indicator"));
+    assert.throws(() => core.decide(f, m, starts.flat(), { ...course, units: [1] }), Refusal);
+  });
+}
+
 for (const { name, description, equations, start, times, state, bounds, section, exponent } of cases.typed) {
   test(`typed: ${name}`, async () => {
     const core = await Core.start(program);

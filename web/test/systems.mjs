@@ -25,6 +25,9 @@ for (const { name, file, hash, until, width, click, remark } of wanted) {
     return results && results.until >= end && (results.exponent.times.at(-1) ?? 0) >= end && compared;
   };
   await tab.waitForFunction(done, [until ?? 0], { timeout: 60_000 });
+  // what is compared is the section of the motion alone
+  const orbits = tab.locator(".fan:not([hidden]) select");
+  if (await orbits.count()) await orbits.selectOption("0");
   if (remark) await tab.waitForSelector("#section .remark:not([hidden])", { timeout: 60_000 });
   // charts are drawn anew in the frames that follow
   await tab.evaluate((frames) => new Promise((done) => requestAnimationFrame(function next() { frames-- > 0 ? requestAnimationFrame(next) : done(); })), 12);

@@ -9,6 +9,7 @@ mod fields;
 mod formulas;
 mod linear;
 mod methods;
+mod verdicts;
 
 use crate::errors::{broken, exception, guarded, translate};
 use crate::fields::{Field, InstructionParts, read_instructions};
@@ -401,6 +402,13 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(enclosures::enclose_periodic_orbit, module)?)?;
     module.add_function(wrap_pyfunction!(enclosures::enclose_equilibria, module)?)?;
     module.add_function(wrap_pyfunction!(enclosures::check_covering_relations, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::usual_rule, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::votes, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::verdicts, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::megno, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::growth_powers, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::sali, module)?)?;
+    module.add_function(wrap_pyfunction!(verdicts::average_changes, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;
     module.add_function(wrap_pyfunction!(available_simd, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes, module)?)

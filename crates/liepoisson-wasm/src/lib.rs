@@ -18,6 +18,7 @@ mod written;
 use crate::refusal::{Kind, Refusal};
 use crate::table::{Thing, keep, say};
 use liepoisson_core::analysis::filled;
+use liepoisson_core::analysis::verdict::Question;
 use liepoisson_core::choice::AnyField;
 use liepoisson_core::ensemble::Outcome;
 use liepoisson_core::field::Functions;
@@ -57,7 +58,7 @@ fn table(table: runs::Table) -> Thing {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_start() -> i32 {
     std::panic::set_hook(Box::new(|panic| say(panic.to_string())));
-    5
+    6
 }
 
 /// Room for a text.
@@ -349,6 +350,52 @@ pub extern "C" fn lp_section(
         let (states, sides, times) = (states.borrow(), sides.borrow(), times.borrow());
         let (has_guard, n_crossings) = (has_guard != 0, n_crossings as usize);
         runs::section(&field, method, &functions, has_guard, direction, n_crossings, &states, &sides, &times).map(table)
+    };
+    answer(run())
+}
+
+/// A result: units of time and of each component along the orbits from states. Its parts are `[time, component]`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_units(field: i32, method: i32, states: i32, periods: i32) -> i32 {
+    let run = || {
+        let (field, method) = (table::field(field)?, table::method(method)?);
+        let (states, periods) = (table::numbers(states)?, table::numbers(periods)?);
+        runs::units(&field, method, &states.borrow(), &periods.borrow()).map(table)
+    };
+    answer(run())
+}
+
+/// A result: regular, chaotic or undecided, by the rule. Three tangent vectors belong to each state, a unit to each of its
+/// components, and a length of the run in natural units. Its parts are `[outcome, kind, exponent, indicators]`, the kinds -1, 1
+/// and 0, the indicators `(trajectory, 4)`.
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // flat, as C has it
+pub extern "C" fn lp_decide(
+    field: i32,
+    method: i32,
+    states: i32,
+    tangents: i32,
+    units: i32,
+    periods: i32,
+    natural_times: i32,
+    end: f64,
+    is_plane: u32,
+) -> i32 {
+    let run = || {
+        let (field, method) = (table::field(field)?, table::method(method)?);
+        let [states, tangents, units] = [states, tangents, units].map(table::numbers);
+        let [periods, natural_times] = [periods, natural_times].map(table::numbers);
+        let (states, tangents, units, periods, natural_times) = (states?, tangents?, units?, periods?, natural_times?);
+        let question = Question {
+            states: &states.borrow(),
+            tangents: &tangents.borrow(),
+            units: &units.borrow(),
+            periods: &periods.borrow(),
+            end,
+            natural_times: &natural_times.borrow(),
+            is_plane: is_plane != 0,
+        };
+        runs::decide(&field, method, &question).map(table)
     };
     answer(run())
 }

@@ -2,8 +2,10 @@
 
 use crate::refusal::{Kind, Refusal};
 use liepoisson_core::analysis::orbit::{self, Kept};
+use liepoisson_core::analysis::orbit_units::orbit_units;
 use liepoisson_core::analysis::section::{self, Surface};
 use liepoisson_core::analysis::tangent_frames::{self, Schedule};
+use liepoisson_core::analysis::verdict::{self, Question, Rule};
 use liepoisson_core::analysis::{filled, last_states, lyapunov, rates};
 use liepoisson_core::choice::{AnyField, AnyMethod};
 use liepoisson_core::ensemble::{AnyEnsemble, Control, Summary};
@@ -162,6 +164,26 @@ pub(crate) fn section(
         sections.uncertified.iter().map(|uncertified| f64::from(u8::from(uncertified.is_in_surface))).collect(),
     ]);
     Ok(Table { parts, dense: None })
+}
+
+/// `[time, component]`: natural units along orbits.
+pub(crate) fn units(field: &AnyField, method: AnyMethod, states: &[f64], periods: &[f64]) -> Result<Table, Refusal> {
+    check_size(field, field.n_components())?;
+    let found = orbit_units(&field.with(method)?, states, periods, Simd::widest())?;
+    let times = found.iter().map(|units| units.time).collect();
+    Ok(Table::of(vec![times, found.into_iter().flat_map(|units| units.components).collect()]))
+}
+
+/// `[outcome, kind, exponent, indicators]`.
+pub(crate) fn decide(field: &AnyField, method: AnyMethod, question: &Question<'_>) -> Result<Table, Refusal> {
+    check_size(field, 2)?;
+    let found = verdict::decide(&Rule::USUAL, &field.with(method)?, question, Simd::widest())?;
+    Ok(Table::of(vec![
+        found.iter().map(|of| of.outcome.code().into()).collect(),
+        found.iter().map(|of| f64::from(of.kind as i8)).collect(),
+        found.iter().map(|of| of.exponent).collect(),
+        found.iter().flat_map(|of| of.indicators).collect(),
+    ]))
 }
 
 /// Rates of change at states, `(state, component)`.

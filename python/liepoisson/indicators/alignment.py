@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson import _core
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.inputs.arrays import Array
@@ -233,9 +234,7 @@ def _unit(vectors: Array) -> Array:
 
 
 def _sali(vectors: Array) -> Array:
-    one, other = vectors[:, 0], vectors[:, 1]
-    distances = linear.norm([one - other, one + other], axis=-1)
-    return np.maximum(distances.min(axis=0), FLOOR)
+    return _core.sali(np.ascontiguousarray(vectors[:, :2]).ravel(), vectors.shape[-1])
 
 
 def _log_gali(vectors: Array) -> Array:

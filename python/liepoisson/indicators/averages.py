@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson import _core
 from liepoisson.formula.scalars import as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
@@ -26,15 +27,8 @@ from liepoisson.numeric.systems import HasField, as_field, n_of_time, periods_of
 from liepoisson.portable import elementary
 
 _LEAST_SAMPLES, _MOST_DOUBLINGS = 4096, 4
-_PART = 0.6
-"""The first and the last part of the run are this long: they share a third, and more tori have settled in 0.6 of a run
-than in a half of it (of 24 regular orbits of a weakly perturbed top 20 instead of 19, of 80 of another 53 and 49)."""
-
 # Numbers in the states of all trajectories that are in memory at once: 19 MB.
 _AT_ONCE = 64 * _LEAST_SAMPLES * 9
-# A component below this part of the largest one, and a square that varies by less than this part of its size, is
-# round-off: its averages would be those of noise.
-_ROUND_OFF = 1e-10
 
 
 def average_drift(
@@ -110,18 +104,6 @@ def _functions(state: Array, periods: Array) -> Array:
     return values
 
 
-@np.errstate(all="ignore")  # squares may overflow or vanish
 def _change(state: Array) -> Array:
     """The change of the average square, largest component, shape (trajectory,), of states (trajectory, sample, ...)."""
-    n = state.shape[1]
-    part = int(_PART * n)
-    window = np.square(elementary.sin(np.pi * (np.arange(part) + 0.5) / part) ** 2)
-    window = (window / window.sum())[:, None]
-    squares = state**2
-    size = squares.mean(axis=1)
-    spread = squares.std(axis=1)
-    # sums and not products of matrices, whose order of summation depends on the number of rows
-    first, last = (squares[:, :part] * window).sum(axis=1), (squares[:, -part:] * window).sum(axis=1)
-    matters = (spread > _ROUND_OFF * size) & (size > _ROUND_OFF**2 * size.max(axis=1, keepdims=True))
-    moved = np.divide(np.abs(first - last), spread, out=np.zeros_like(spread), where=matters)
-    return np.where(np.isfinite(size).all(axis=1), moved.max(axis=1), np.nan)
+    return _core.average_changes(np.ascontiguousarray(state).ravel(), len(state), state.shape[-1])

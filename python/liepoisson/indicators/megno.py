@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson import _core
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.indicators.alignment import bound_memory
 from liepoisson.indicators.finite_time_exponents import finite_time_exponents
@@ -183,14 +184,14 @@ def megno(
 
 def _indicators(time: Array, log_growth: Array, stride: int) -> tuple[Array, Array, Array, Array]:
     """Y, its mean, ln|v| at every `stride`-th time, and the change of Y with every second sample."""
-    values = 2.0 * (log_growth - _integral(time[0], log_growth) / time)
-    means = _integral(time[0], values) / time
+    values, means = _of_growth(time, log_growth)
     every, pairs = slice(stride - 1, None, stride), slice(1, None, 2)
-    coarse = 2.0 * (log_growth[:, pairs] - _integral(time[1], log_growth[:, pairs]) / time[pairs])
+    coarse, _ = _of_growth(time[pairs], log_growth[:, pairs])
     change = np.abs(coarse[:, stride // 2 - 1 :: stride // 2] - values[:, every])
     return values[:, every], means[:, every], log_growth[:, every], change.max(axis=1)
 
 
-def _integral(step: float, values: Array) -> Array:
-    """Trapezoidal rule from 0, where the integrand vanishes, to each of the equally spaced times."""
-    return step * (np.cumsum(values, axis=1) - 0.5 * values)
+def _of_growth(time: Array, log_growth: Array) -> tuple[Array, Array]:
+    """Y and its mean at each of the equally spaced times, of which the first one is a step."""
+    values, means = _core.megno(np.ascontiguousarray(time), np.ascontiguousarray(log_growth).ravel())
+    return values.reshape(log_growth.shape), means.reshape(log_growth.shape)

@@ -13,6 +13,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson import _core
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time
 from liepoisson.indicators.alignment import Alignment, alignment
@@ -32,12 +33,13 @@ from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField, at_equal_times
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
-from liepoisson.portable import elementary
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
 KINDS: tuple[Kind, ...] = ("regular", "chaotic", "undecided")
 INDICATORS = ("growth_power", "megno", "sali", "averages")
+
+_USUAL = _core.usual_rule()
 
 TIME = 1000.0
 """Default time of a run, in natural times of the median orbit: the thresholds of `Rule` were fixed there."""
@@ -72,11 +74,11 @@ class Rule:
         ['undecided', 'undecided']
     """
 
-    growth_power: tuple[float, float] = (2.0, 4.0)
-    megno: tuple[float, float] = (3.0, 5.0)
-    sali: tuple[float, float] = (1e-4, 1e-8)
-    averages: float = 4e-3
-    least_time: float = 100.0
+    growth_power: tuple[float, float] = _USUAL[0]
+    megno: tuple[float, float] = _USUAL[1]
+    sali: tuple[float, float] = _USUAL[2]
+    averages: float = _USUAL[3]
+    least_time: float = _USUAL[4]
 
     def __post_init__(self) -> None:
         for name in INDICATORS[:3]:
@@ -101,11 +103,8 @@ class Rule:
 
     def votes(self, growth_power: Array, mean_megno: Array, sali: Array, averages: Array) -> NDArray[np.int8]:
         """What each indicator says: -1 regular, +1 chaotic, 0 neither (or no value), shape (trajectory, indicator)."""
-        rising = ((growth_power, self.growth_power), (mean_megno, self.megno))
-        columns = [np.where(value < low, -1, np.where(value > high, 1, 0)) for value, (low, high) in rising]
-        columns.append(np.where(sali > self.sali[0], -1, np.where(sali < self.sali[1], 1, 0)))
-        columns.append(np.where(averages < self.averages, -1, 0))
-        return np.stack(columns, axis=-1).astype(np.int8)
+        indicators = np.stack([growth_power, mean_megno, sali, averages], axis=-1).astype(np.float64)
+        return _core.votes(self._thresholds, indicators.ravel()).reshape(-1, len(INDICATORS))
 
     def kinds(self, votes: NDArray[np.int8], natural_time: Array) -> NDArray[np.str_]:
         """The verdicts that votes make, shape (trajectory,); those of failed trajectories are for the caller to drop.
@@ -114,12 +113,14 @@ class Rule:
             votes: As `votes` returns them, shape (trajectory, indicator).
             natural_time: Length of the run in natural units, shape (trajectory,).
         """
-        of_vectors, settled = votes[:, :3], votes[:, 3] < 0
-        for_chaos, for_order = (of_vectors > 0).sum(axis=1), (of_vectors < 0).sum(axis=1)
-        long_enough = natural_time >= self.least_time
-        chaotic = long_enough & (for_chaos >= 2) & (for_order == 0)
-        regular = long_enough & (for_order >= 2) & (for_chaos == 0) & settled
-        return np.where(chaotic, "chaotic", np.where(regular, "regular", "undecided"))
+        times = np.ascontiguousarray(np.broadcast_to(natural_time, len(votes)), np.float64)
+        said = _core.verdicts(self._thresholds, np.ascontiguousarray(votes, np.int8).ravel(), times)
+        return np.where(said > 0, "chaotic", np.where(said < 0, "regular", "undecided"))
+
+    @property
+    def _thresholds(self) -> _core.Thresholds:
+        """As the core has them."""
+        return self.growth_power, self.megno, self.sali, self.averages, self.least_time
 
 
 def rule_record(rule: Rule) -> dict[str, Any]:
@@ -357,12 +358,7 @@ def _is_plane(growth: Megno) -> bool:
 
 def _growth_power(growth: Megno) -> Array:
     """Least-squares slope of ln|v| against ln t over the last decade of time."""
-    last = growth.time >= 0.1 * (1.0 - 1e-9) * growth.time[-1]  # round-off decides for no sample in any unit of time
-    log_time = elementary.log(growth.time[last])
-    log_time -= log_time.mean()
-    # not a product of matrices, whose order of summation depends on the number of rows
-    rows = np.ascontiguousarray(growth.log_growth[:, last])
-    return (rows * log_time).sum(axis=1) / (log_time**2).sum()
+    return _core.growth_powers(np.ascontiguousarray(growth.time), np.ascontiguousarray(growth.log_growth).ravel())
 
 
 class Disagreement(NamedTuple):

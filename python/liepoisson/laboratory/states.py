@@ -17,7 +17,7 @@ from urllib.parse import parse_qsl, urlencode
 import numpy as np
 
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.formula.scalars import as_array
+from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.refusals import check_choice
 from liepoisson.laboratory.pages import checked_start, exact_text, shortest
@@ -35,6 +35,7 @@ VIEWS_OF_SYSTEMS = ("vectors", "picture", "projection", "series")
 SPEEDS = (1 / 16, 16)
 TOLERANCES = (1e-16, 1e-3)
 MOST_SERIES = 8
+FANS, MOST_ADDED = (10, 40), 40
 MOST_IN_VECTORS = 27
 LONGEST_MESSAGE = 1000
 HORIZON = 1e4
@@ -171,8 +172,32 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         "speed": _within("speed", *SPEEDS),
     }
     if page.system:
-        return shared | {"projection": several("projection", 2, 3), "series": several("series", 0, MOST_SERIES)}
+        of_systems: dict[str, Callable[[Any], Any]] = {
+            "projection": several("projection", 2, 3),
+            "series": several("series", 0, MOST_SERIES),
+            "fan": _fan,
+            "orbits": _points,
+        }
+        return shared | of_systems
     return of_tops | shared | {"shadow": _yes_or_no}
+
+
+def _fan(count: Any) -> int:
+    """Orbits that fill a section; 0 where it has that of the motion alone."""
+    found = as_count(count, "fan", most=FANS[1], hint="try 20")
+    if 0 < found < FANS[0]:
+        raise ParameterError(f"fan: wanted 0, or {FANS[0]} to {FANS[1]} orbits; got {found}; try 20")
+    return found
+
+
+def _points(points: Any) -> tuple[tuple[float, float], ...]:
+    """Points of the section through which orbits go."""
+    given = as_array(points, "orbits")
+    if given.size and given.shape[1:] != (2,):
+        raise ShapeError(f"orbits: wanted points with two numbers each; got an array of shape {given.shape}")
+    if len(given) > MOST_ADDED or not np.isfinite(given).all():
+        raise ParameterError(f"orbits: wanted at most {MOST_ADDED} points of finite numbers; got {len(given)} points")
+    return tuple((float(x), float(y)) for x, y in given.reshape(-1, 2))
 
 
 def _yes_or_no(value: Any) -> bool:
@@ -299,7 +324,13 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "speed": _same("speed", _number, shortest),
     }
     if page.system:
-        own = {"view": _same("view"), "space": several("projection", 3), "series": several("series")}
+        own = {
+            "view": _same("view"),
+            "space": several("projection", 3),
+            "series": several("series"),
+            "fan": _same("fan", int, str),
+            "orbits": _same("orbits", _pairs, _in_a_row),
+        }
         return shared | own | {"tol": _same("tol", _number, shortest)}
     parameters = _same(
         "parameters",
@@ -314,6 +345,18 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "frame": _same("view"),
         "shadow": _same("shadow", lambda text: text == "1", lambda shown: str(int(shown))),
     }
+
+
+def _pairs(text: str) -> list[tuple[float, float]]:
+    """Points whose numbers stand one after the other."""
+    values = [_number(one) for one in text.split(",")]
+    if len(values) % 2:
+        raise ValueError("numbers come in pairs")
+    return list(zip(values[::2], values[1::2], strict=True))
+
+
+def _in_a_row(points: Sequence[Sequence[float]]) -> str:
+    return ",".join(shortest(number) for point in points for number in point)
 
 
 def _joined(values: Sequence[float]) -> str:

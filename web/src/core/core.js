@@ -78,7 +78,7 @@ export class CoreStopped extends Error {
 }
 
 /** The version of the interface that this file is written for. */
-const INTERFACE = 5;
+const INTERFACE = 6;
 
 /** What has a place in the memory of the core, which is given back by `free`, or when nothing refers to it any more. */
 class Held {
@@ -320,6 +320,34 @@ export class Core {
       const run = this.call("lp_frames", field.handle, method.handle, x, q, nVectors, t, duration, nIntervals);
       const parts = () => ({ growth: this.part(run, 4), frame: this.part(run, 5), nComplete: this.part(run, 6) });
       return this.result(run, () => ({ ...this.ends(run), ...parts() }));
+    });
+  }
+
+  /**
+   * Natural units of time, NaN of an orbit that has none, and of each component, along the orbits from states (member, component).
+   * @param {Field} field @param {Method} method @param {Numbers} states @param {Numbers} periods of circles, else infinite
+   * @returns {{time: Float64Array, component: Float64Array}}
+   */
+  units(field, method, states, periods) {
+    return this.with([states, periods], ([x, p]) => {
+      const run = this.call("lp_units", field.handle, method.handle, x, p);
+      return this.result(run, () => ({ time: this.part(run, 0), component: this.part(run, 1) }));
+    });
+  }
+
+  /**
+   * Regular (-1), chaotic (1) or undecided (0), by the rule of `liepoisson.decide`; indicators (member, 4): growth power, MEGNO,
+   * SALI, change of averages.
+   * @param {Field} field @param {Method} method @param {Numbers} states
+   * @param {{tangents: Numbers, units: Numbers, periods: Numbers, naturalTimes: Numbers, end: number, isPlane: boolean}} course
+   *   tangents (member, 3, component), units (member, component)
+   * @returns {{outcome: string[], kind: Float64Array, exponent: Float64Array, indicators: Float64Array}}
+   */
+  decide(field, method, states, { tangents, units, periods, naturalTimes, end, isPlane }) {
+    return this.with([states, tangents, units, periods, naturalTimes], ([x, v, u, p, t]) => {
+      const run = this.call("lp_decide", field.handle, method.handle, x, v, u, p, t, end, isPlane ? 1 : 0);
+      const outcomes = () => Array.from(this.part(run, 0), (code) => this.outcomes[code]);
+      return this.result(run, () => ({ outcome: outcomes(), kind: this.part(run, 1), exponent: this.part(run, 2), indicators: this.part(run, 3) }));
     });
   }
 

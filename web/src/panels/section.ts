@@ -13,6 +13,8 @@ const REACH = 12;
 
 export class SectionPanel {
   readonly plot: Plot;
+  /** Whether it has the canvas, and hears of the pointer and the keys. */
+  private active = true;
   private drawn = 0;
   /** Crossings that the axes were fitted to. */
   private fitted = 0;
@@ -29,10 +31,17 @@ export class SectionPanel {
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
     canvas.setAttribute("aria-label", label("Crossings of the section"));
-    canvas.addEventListener("pointermove", (event) => (this.chosen = this.near(event.offsetX, event.offsetY)));
+    canvas.addEventListener("pointermove", (event) => (this.chosen = this.active ? this.near(event.offsetX, event.offsetY) : null));
     canvas.addEventListener("pointerleave", () => (this.chosen = null));
-    canvas.addEventListener("click", (event) => this.begin(this.near(event.offsetX, event.offsetY)));
-    canvas.addEventListener("keydown", (event) => this.key(event));
+    canvas.addEventListener("click", (event) => this.active && this.begin(this.near(event.offsetX, event.offsetY)));
+    canvas.addEventListener("keydown", (event) => this.active && this.key(event));
+  }
+
+  /** Leaves its canvas to others, or takes it again. */
+  use(active: boolean): void {
+    if (active && !this.active) this.shown = null;
+    if (!active) setText(this.remark, "");
+    this.active = active;
   }
 
   private results: Results | null = null;

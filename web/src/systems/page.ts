@@ -19,6 +19,7 @@ import { Client } from "../worker/client";
 import type { Update } from "../worker/messages";
 import { inWords } from "./comparison";
 import { SystemControls } from "./controls";
+import { FanSection } from "./fan/panel";
 import { CARRIED, described, type SystemDescription } from "./description";
 import { FlatView, Ranges, seriesColours } from "./flat";
 import { fillHelp } from "./help";
@@ -67,6 +68,7 @@ export class SystemPage {
   private readonly space: SpaceView;
   private readonly flat: FlatView;
   private readonly section: SectionPanel;
+  private readonly fan: FanSection;
   private readonly portrait: PortraitPanel;
   private readonly lyapunov: LyapunovPanel;
   private readonly drift: DriftPanel;
@@ -89,6 +91,7 @@ export class SystemPage {
     this.space = new SpaceView(panel.querySelector(".view") as HTMLElement, system, clock, quality, this.views.includes("vectors"));
     this.flat = new FlatView(panel, system, clock);
     this.section = new SectionPanel(find("section"), (state) => this.startAt(state), say, system, clock);
+    this.fan = new FanSection(find("section"), this.section.plot, system, { act: (action) => this.act(action), start: (state) => this.startAt(state), say, tell });
     this.portrait = new PortraitPanel(find("portrait"), system, clock);
     if (address) this.startsByClick();
     this.lyapunov = new LyapunovPanel(find("lyapunov"), clock);
@@ -126,6 +129,7 @@ export class SystemPage {
   /** Leaves its panels to another page. */
   leave(): void {
     this.gone.abort();
+    this.fan.free();
     this.space.free();
   }
 
@@ -189,6 +193,8 @@ export class SystemPage {
     speed.value = String(Math.log2(state.speed));
     speed.style.setProperty("--fill", `${((Math.log2(state.speed) + 4) / 8) * 100}%`);
     find("rate").textContent = state.speed < 1 ? `1/${1 / state.speed}×` : `${state.speed}×`;
+    this.fan.want(system, state);
+    this.section.use(!this.fan.isShown);
     const isFlat = this.isFlat();
     this.space.show(!isFlat);
     this.flat.show(isFlat, state.view === "picture" ? `${system.picture?.name} of the state` : state.view === "series" ? "Components over time" : "Path in two components");
@@ -372,7 +378,8 @@ export class SystemPage {
       this.controls.conserved(results, state.time);
       this.savedStates("orbit");
     }
-    this.section.draw(charted, results, palette);
+    if (this.fan.isShown) this.fan.draw(charted, results, palette);
+    else this.section.draw(charted, results, palette);
     this.savedStates("section");
     if (frames % CHARTS_EVERY === 0) this.lyapunov.draw(charted, results, palette);
     if (frames % CHARTS_EVERY === CHARTS_EVERY / 2) {
@@ -410,7 +417,7 @@ export class SystemPage {
     document.addEventListener("keydown", (event) => this.keys(event), { signal: this.gone.signal });
     const { playing } = place();
     if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) this.state = { ...this.state, playing: false };
-    Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent] } });
+    Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent], fan: () => this.fan.now } });
     this.show();
     requestAnimationFrame((now) => this.frame(now));
   }

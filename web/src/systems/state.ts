@@ -4,6 +4,7 @@ import { exact, shortest, type Exact } from "../state/exact";
 import { FASTEST, Refused, SLOWEST, type Direction, type Theme } from "../state/laboratory";
 import { inUnits, type Clock } from "../state/charted";
 import { within as withinTurn, type Turn } from "../state/turn";
+import { withoutFan } from "./fan/computation";
 import { surfaceNames, withoutTime, type SystemDescription } from "./description";
 
 export const VIEWS = ["vectors", "picture", "projection", "series"] as const;
@@ -20,6 +21,10 @@ export interface SystemState {
   readonly space: readonly [number, number, number | null];
   /** Components drawn over time, in order. */
   readonly series: readonly number[];
+  /** Orbits that fill the section; 0 where it has that of the motion alone. */
+  readonly fan: number;
+  /** Points of the section through which others go. */
+  readonly added: readonly (readonly [number, number])[];
   readonly tol: Exact;
   readonly theme: Theme;
   readonly time: number;
@@ -35,12 +40,18 @@ export type SystemAction =
   | { readonly do: "view"; readonly view: View }
   | { readonly do: "space"; readonly space: readonly [number, number, number | null] }
   | { readonly do: "series"; readonly component: number; readonly shown: boolean }
+  | { readonly do: "fan"; readonly count: number }
+  | { readonly do: "orbits"; readonly added: readonly (readonly [number, number])[] }
   | { readonly do: "tol"; readonly tol: Exact }
   | { readonly do: "theme"; readonly theme: Theme }
   | { readonly do: "time"; readonly time: number }
   | { readonly do: "speed"; readonly speed: number }
   | { readonly do: "play"; readonly playing: boolean };
 
+/** Numbers of orbits that fill a section. */
+export const FANS = [10, 20, 40] as const;
+/** Orbits that are added by clicks. */
+const MOST_ADDED = 40;
 /** Curves that can be told apart. */
 export const MOST_SERIES = 8;
 /** How far the page computes, in units of time. */
@@ -77,6 +88,8 @@ export function begun(system: SystemDescription): SystemState {
     view: viewsOf(system)[0],
     space: [0, others[1] ?? 0, others[2] ?? null],
     series: own.slice(0, 4),
+    fan: withoutFan(system) === null ? FANS[1] : 0,
+    added: [],
     tol: exact("1e-15"),
     theme: "auto",
     time: 0,
@@ -93,9 +106,9 @@ export function changed(system: SystemDescription, state: SystemState, action: S
     case "start at":
       return { ...state, start: action.state.map((one, k) => inTurn(one, system.turns[k])), time: 0 };
     case "surface":
-      return { ...state, surface: within(action.surface, surfaceNames(system).length, "a surface"), direction: action.direction };
+      return { ...state, surface: within(action.surface, surfaceNames(system).length, "a surface"), direction: action.direction, added: [] };
     case "axes":
-      return { ...state, axes: [component(system, action.axes[0]), component(system, action.axes[1])] };
+      return { ...state, axes: [component(system, action.axes[0]), component(system, action.axes[1])], added: [] };
     case "view":
       if (!viewsOf(system).includes(action.view)) throw new Refused(`${system.name} has no view "${action.view}"`);
       return { ...state, view: action.view };
@@ -108,6 +121,10 @@ export function changed(system: SystemDescription, state: SystemState, action: S
       if (action.shown && rest.length >= MOST_SERIES) throw new Refused(`at most ${MOST_SERIES} components are drawn over time; take one out first`);
       return { ...state, series: action.shown ? [...rest, action.component].sort((a, b) => a - b) : rest };
     }
+    case "fan":
+      return { ...state, fan: checkedFan(system, action.count) };
+    case "orbits":
+      return { ...state, added: checkedOrbits(action.added) };
     case "tol":
       return { ...state, tol: checkedTolerance(action.tol) };
     case "theme":
@@ -139,6 +156,17 @@ export function component(system: SystemDescription, index: number): number {
 export function within(index: number, count: number, what: string): number {
   if (!Number.isInteger(index) || index < 0 || index >= count) throw new Refused(`${what} has a number from 1 to ${count}; got ${index + 1}`);
   return index;
+}
+
+export function checkedFan(system: SystemDescription, count: number): number {
+  const [least, most] = [FANS[0], FANS[FANS.length - 1]];
+  if (count !== 0 && !(Number.isInteger(count) && count >= least && count <= most)) throw new Refused(`a fan has ${least} to ${most} orbits, or 0; got ${count}`);
+  return withoutFan(system) === null ? count : 0;
+}
+
+export function checkedOrbits(added: SystemState["added"]): SystemState["added"] {
+  if (added.length > MOST_ADDED) throw new Refused(`at most ${MOST_ADDED} orbits are added to a fan; remove some`);
+  return added;
 }
 
 export function checkedTolerance(tol: Exact): Exact {

@@ -6,11 +6,11 @@
 import { exact, NotANumber } from "../state/exact";
 import { FASTEST, Refused, SLOWEST, THEMES, type Direction } from "../state/laboratory";
 import { surfaceNames, type SystemDescription } from "./description";
-import { begun, checkedTolerance, clockOf, component, MOST_SERIES, VIEWS, viewsOf, within, type SystemState } from "./state";
+import { begun, checkedFan, checkedOrbits, checkedTolerance, clockOf, component, MOST_SERIES, VIEWS, viewsOf, within, type SystemState } from "./state";
 
 const VERSION = "1";
 const LONGEST = 16_000;
-const NAMES = ["v", "system", "start", "section", "axes", "view", "space", "series", "tol", "theme", "t", "speed"];
+const NAMES = ["v", "system", "start", "section", "axes", "view", "space", "series", "fan", "orbits", "tol", "theme", "t", "speed"];
 
 export function written(system: SystemDescription, state: SystemState): string {
   const number = (index: number | null) => (index === null ? 0 : index + 1);
@@ -21,6 +21,8 @@ export function written(system: SystemDescription, state: SystemState): string {
   query.set("view", state.view);
   query.set("space", state.space.map(number).join(","));
   query.set("series", state.series.map(number).join(","));
+  query.set("fan", String(state.fan));
+  if (state.added.length) query.set("orbits", state.added.flat().join(","));
   query.set("tol", state.tol.text);
   query.set("theme", state.theme);
   query.set("t", String(state.time));
@@ -69,12 +71,21 @@ function state(system: SystemDescription, query: URLSearchParams): SystemState {
     view,
     space: [space[0], space[1], space[2] ?? null],
     series: [...new Set(series)].sort((a, b) => a - b),
+    fan: checkedFan(system, number(query, "fan", 0, Infinity) ?? from.fan),
+    added: checkedOrbits(points(query.get("orbits"))),
     tol: query.has("tol") ? checkedTolerance(exact(query.get("tol") ?? "")) : from.tol,
     theme: oneOf(query, "theme", THEMES) ?? from.theme,
     time: number(query, "t", 0, horizon) ?? 0,
     speed: number(query, "speed", SLOWEST, FASTEST) ?? 1,
     playing: true,
   };
+}
+
+function points(text: string | null): SystemState["added"] {
+  if (text === null) return [];
+  const values = text.split(",").map((one) => (one.trim() === "" ? Number.NaN : Number(one)));
+  if (values.length % 2 || !values.every(Number.isFinite)) throw new Refused('"orbits" must be pairs of numbers');
+  return values.flatMap((value, k) => (k % 2 ? [] : [[value, values[k + 1]] as const]));
 }
 
 function starts(system: SystemDescription, texts: readonly string[]) {

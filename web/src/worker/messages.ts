@@ -1,6 +1,7 @@
 /** What page and worker say to each other.  Arrays are flat and row-major. */
 
 import type { Saved, SystemDescription } from "../systems/description";
+import type { FanJob, FanUpdate } from "../systems/fan/computation";
 import type { Made, NotMade, Question } from "../systems/typing/made";
 
 /** One orbit of a top, and all that is computed of it. */
@@ -39,6 +40,8 @@ export type ToWorker =
   | { readonly say: "project"; readonly number: number; readonly job: Job; readonly wanted: Readonly<Record<string, number>> }
   /** The system that somebody has typed is wanted. */
   | { readonly say: "typed"; readonly number: number; readonly question: Question }
+  /** The fan of a job is wanted, or none any more. */
+  | { readonly say: "fan"; readonly generation: number; readonly job: FanJob | null }
   /** An update has been shown: another may come. */
   | { readonly say: "seen" };
 
@@ -64,6 +67,7 @@ export type FromWorker =
   | { readonly say: "ready" }
   | { readonly say: "update"; readonly generation: number; readonly update: Update }
   | { readonly say: "projected"; readonly number: number; readonly state: Float64Array; readonly residuals: Readonly<Record<string, number>> }
+  | { readonly say: "fan"; readonly generation: number; readonly update: FanUpdate }
   /** Null where the core has stopped. */
   | { readonly say: "made"; readonly number: number; readonly found: Made | NotMade | null }
   | { readonly say: "not projected"; readonly number: number; readonly message: string }

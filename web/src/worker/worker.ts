@@ -1,6 +1,7 @@
 /** The worker: takes jobs, works in slices, and waits when the page has not yet seen what it was sent. */
 
 import { Core, Refusal } from "../core/core.js";
+import { fan, type FanUpdate } from "../systems/fan/computation";
 import { made } from "../systems/typing/made";
 import { Computation } from "./computation";
 import { projected } from "./projection";
@@ -18,8 +19,12 @@ let generation = -1;
 let unseen = 0;
 let awake = false;
 
+let orbits: Generator<FanUpdate> | null = null;
+
 const turn = new MessageChannel();
 turn.port1.onmessage = slice;
+const next = new MessageChannel();
+next.port1.onmessage = orbit;
 
 function say(message: FromWorker): void {
   postMessage(message);
@@ -46,6 +51,13 @@ self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
       break;
     case "typed":
       read(data);
+      break;
+    case "fan":
+      generation = data.generation;
+      orbits?.return(undefined);
+      orbits = null;
+      await begin(() => (orbits = data.job && fan(core as Core, data.job)));
+      next.port2.postMessage(null);
       break;
     case "seen":
       unseen -= 1;
@@ -84,6 +96,19 @@ function read({ number, question }: Extract<ToWorker, { say: "typed" }>): void {
     say({ say: "made", number, found: made(core as Core, question) });
   } catch {
     say({ say: "made", number, found: null });
+  }
+}
+
+/** The next piece of a fan; a job that has come since is heard before. */
+function orbit(): void {
+  try {
+    const { value, done } = orbits?.next() ?? { value: undefined, done: true };
+    if (done || !value) return;
+    say({ say: "fan", generation, update: value });
+    next.port2.postMessage(null);
+  } catch (error) {
+    orbits = null;
+    refuse(error);
   }
 }
 

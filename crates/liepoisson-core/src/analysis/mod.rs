@@ -3,9 +3,11 @@
 pub mod frame;
 pub mod lyapunov;
 pub mod orbit;
+pub mod orbit_units;
 pub mod rates;
 pub mod section;
 pub mod tangent_frames;
+pub mod verdict;
 
 use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;
