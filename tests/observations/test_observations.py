@@ -32,6 +32,7 @@ ORBIT = lp.integrate(lp.catalog.system("henon-heiles"), [0.1, 0, 0, 0.2], times=
 HAVE = {
     "mapping": {"t": T, "x": X},
     "frame": pd.DataFrame({"t": T, "x": X}),
+    "times as the index of a frame": pd.DataFrame({"x": X}, index=pd.Index(T, name="t")),
     "missing values of pandas": pd.DataFrame({"t": T, "x": pd.array([1, None, 3], dtype="Int64")}),
     "data set": xr.Dataset({"x": ("t", [1, np.nan, 3])}, {"t": T}),
     "masked": {"t": T, "x": np.ma.masked_values([1.0, -9, 3], -9)},

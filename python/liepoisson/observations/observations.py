@@ -47,7 +47,7 @@ class Observations(ReadOnlyArrays):
     Args:
         data: A CSV file with a line of names, a table, a data set, a mapping from names to columns, or the result of a
             run with columns (`lp.integrate`).  Numbers are in the units of the equations; a cell that is empty or NaN
-            is missing.
+            is missing.  Of a DataFrame, levels of the index that have a name are columns, too.
         time: The column of times; by default the one that is called t or time.
         columns: Those that are compared, by default all that nothing else uses: a sequence of names, or a mapping from
             names to functions of the state, `{"pen": "atan2(alpha2, alpha1)"}`.  A column without such a function is
@@ -174,7 +174,9 @@ def _table(data: Any) -> dict[str, Any]:
         frame = data.to_dataframe().reset_index()
         found = {name: frame[name].to_numpy() for name in frame.columns}
     elif (columns := getattr(type(data), "columns", None)) is not None and columns is not None:
-        found = {name: data[name] for name in data.columns}
+        index = getattr(data, "index", None)
+        levels = [level for level in getattr(index, "names", ()) if level is not None]
+        found = {level: index.get_level_values(level) for level in levels} | {name: data[name] for name in data.columns}
     else:
         read = labelled(data, "data")
         by_label = read.by_label("data") if read is not None else named(data, "data")
