@@ -6,61 +6,32 @@ The format is described in `liepoisson.model.system_file`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from dataclasses import dataclass, fields
 from typing import Any, cast
 
 from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.damping.damped_system import DampedSystem, Damping
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError
 from liepoisson.formula.parameters import Value, read_parameter
-from liepoisson.formula.scope import Scope, read_declaration
-from liepoisson.formula.toml_text import TomlText, parse_toml
+from liepoisson.formula.scope import read_declaration
+from liepoisson.formula.toml_text import parse_toml
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.model.hamiltonian import is_expression, scope_of
-from liepoisson.model.system_file import EquationsFile, Integral, SystemFile, with_own_values
+from liepoisson.model.hamiltonian import is_expression
+from liepoisson.model.system_file import ExtendedFile, SystemFile
 from liepoisson.model.system_file_reader import read_equations
 from liepoisson.model.system_text import formula_text, system_tables, toml_text, value_text
 
 
 @explains_its_methods
-@dataclass(frozen=True)
-class DampedFile(EquationsFile):
+@dataclass(frozen=True, kw_only=True)
+class DampedFile(ExtendedFile):
     """What the file of a damped system says.
 
     Attributes:
-        name: How the damped system is called.
-        undamped: What it says of the system that is damped.
         damping: The damping, in texts and exact numbers.
-        parameters: Values by name, those of the system and those of the damping.
-        symbols: Parameters without value, as declared.
-        integrals: Functions that are claimed to be constant without damping, by name.
-        path: The file, as messages call it.
-        toml: Its text, in which messages find the line of a key; None if there is no such text.
     """
 
-    name: str
-    undamped: SystemFile
     damping: Damping
-    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
-    symbols: tuple[str, ...] = ()
-    integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral], hash=False)
-    path: str = "file of a damped system"
-    toml: TomlText | None = field(default=None, repr=False, compare=False)
-
-    @cached_property
-    def scope(self) -> Scope:
-        """The names that the formulas of the file may use."""
-        parameters = cast("Mapping[str, Any]", self.parameters)
-        return scope_of(self.undamped.whole_bracket, parameters, self.symbols)
-
-    def with_constant_integrals(self) -> DampedFile:
-        """The file without those of its integrals that are not found constant without damping."""
-        return replace(self, integrals=self._own().with_constant_integrals().integrals)
-
-    def _own(self) -> SystemFile:
-        """The system that is damped, with the values of this file."""
-        return replace(with_own_values(self.undamped, self.parameters, self.symbols), integrals=self.integrals)
 
     def system(self) -> DampedSystem:
         """The damped system, ready to be integrated.
@@ -68,7 +39,7 @@ class DampedFile(EquationsFile):
         Raises:
             SystemFileError: a formula has no meaning, or the damping is none; the message names the file.
         """
-        own = self._own()
+        own = self.system_file()
         further: Any = {name: value for name, value in self.parameters.items() if name not in own.parameters}
         symbols = [text for text in self.symbols if text not in own.symbols]
         try:
@@ -87,7 +58,7 @@ def damped_file(
     """The file of a system with the values of its table [damping]."""
     return DampedFile(
         name=undamped.name,
-        undamped=undamped,
+        bare=undamped,
         damping=Damping(**damping),
         parameters=parameters,
         symbols=tuple(symbols),

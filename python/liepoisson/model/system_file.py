@@ -81,7 +81,7 @@ The formulas are those of `liepoisson.formula.expression`.  No text of a file is
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, cast
@@ -409,11 +409,44 @@ def _example(shape: Shape) -> str:
             return "Give its rows as lists."
 
 
-def with_own_values(file: SystemFile, parameters: Mapping[str, Value], symbols: Sequence[str]) -> SystemFile:
-    """The file with those of these values and symbols that are its own, as of a table that has further ones."""
-    own = {*file.parameters, *(read_declaration(text)[0] for text in file.symbols)}
-    return replace(
-        file,
-        parameters={name: value for name, value in parameters.items() if name in own},
-        symbols=tuple(text for text in symbols if read_declaration(text)[0] in own),
-    )
+@dataclass(frozen=True, kw_only=True)
+class ExtendedFile(EquationsFile):
+    """A system file with a further table, whose formulas may use parameters of their own.
+
+    Attributes:
+        name: How the whole is called.
+        bare: What the file says of the system without that table.
+        parameters: Values by name, those of the system and those of the table.
+        symbols: Parameters without value, as declared.
+        integrals: Functions that are claimed to be constant along the motion of the system without that table, by name.
+        path: The file, as messages call it.
+        toml: Its text, in which messages find the line of a key; None if there is no such text.
+    """
+
+    name: str
+    bare: SystemFile
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
+    symbols: tuple[str, ...] = ()
+    integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral], hash=False)
+    path: str
+    toml: TomlText | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def scope(self) -> Scope:
+        """The names that the formulas of the file may use."""
+        return scope_of(self.bare.whole_bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
+
+    def with_constant_integrals(self) -> Self:
+        """The file without those of its integrals that are not found constant along the motion of the system alone."""
+        return replace(self, integrals=self.system_file().with_constant_integrals().integrals)
+
+    def system_file(self) -> SystemFile:
+        """What the file says of the system alone, with the values that are its own."""
+        own = {*self.bare.parameters, *(read_declaration(text)[0] for text in self.bare.symbols)}
+        return replace(
+            self.bare,
+            name=self.name,
+            parameters={name: value for name, value in self.parameters.items() if name in own},
+            symbols=tuple(text for text in self.symbols if read_declaration(text)[0] in own),
+            integrals=self.integrals,
+        )

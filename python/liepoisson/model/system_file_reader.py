@@ -191,7 +191,15 @@ class _Reader(BracketReader):
         formulas: dict[tuple[str | int, ...], list[str]] = {("noise", "noises", k): [t] for k, t in enumerate(texts)}
         own = self.own_part(file, unused, formulas | {keys: _texts(given)})
         return function_of("_Reader.noisy")(
-            file.name, own, texts, given, file.parameters, file.symbols, file.integrals, file.path, file.toml
+            name=file.name,
+            bare=own,
+            noises=texts,
+            inverse_temperature=given,
+            parameters=file.parameters,
+            symbols=file.symbols,
+            integrals=file.integrals,
+            path=file.path,
+            toml=file.toml,
         )
 
     def refuse_noise(self) -> None:

@@ -5,25 +5,21 @@ The format is described in `liepoisson.model.system_file`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from liepoisson.algebra.exact_numbers import Exact, as_float
 from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError, SystemFileError
 from liepoisson.formula.expression import read_formula
-from liepoisson.formula.parameters import GivenValue, Value, read_parameter
+from liepoisson.formula.parameters import GivenValue, read_parameter
 from liepoisson.formula.scalars import as_positive
-from liepoisson.formula.scope import Scope
-from liepoisson.formula.toml_text import TomlText, parse_toml, read_toml
+from liepoisson.formula.toml_text import parse_toml, read_toml
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import not_a_whole_system
-from liepoisson.model.hamiltonian import scope_of
 from liepoisson.model.system import System
-from liepoisson.model.system_file import EquationsFile, Integral, SystemFile, with_own_values
+from liepoisson.model.system_file import ExtendedFile
 from liepoisson.model.system_file_reader import read_noisy_tables
 from liepoisson.model.system_text import formula_text, system_tables, toml_text, value_text
 from liepoisson.noise.noise import Noises, as_noises, pieces_of_noise
@@ -127,45 +123,17 @@ def read_noisy_system(path: str | Path) -> NoisySystem:
 
 
 @explains_its_methods
-@dataclass(frozen=True)
-class NoisyFile(EquationsFile):
+@dataclass(frozen=True, kw_only=True)
+class NoisyFile(ExtendedFile):
     """What the file of a system with noise says.
 
     Attributes:
-        name: How the system is called.
-        quiet: What it says of the system without noise.
         noises: The formulas of the noise Hamiltonians.
         inverse_temperature: A number, or a formula of parameters.
-        parameters: Values by name, those of the system and those of the noise.
-        symbols: Parameters without value, as declared.
-        integrals: Functions that are claimed to be constant without noise, by name.
-        path: The file, as messages call it.
-        toml: Its text, in which messages find the line of a key; None if there is no such text.
     """
 
-    name: str
-    quiet: SystemFile
     noises: tuple[str, ...]
     inverse_temperature: Exact | str = Fraction(0)
-    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
-    symbols: tuple[str, ...] = ()
-    integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral], hash=False)
-    path: str = "file of a system with noise"
-    toml: TomlText | None = field(default=None, repr=False, compare=False)
-
-    @cached_property
-    def scope(self) -> Scope:
-        """The names that the formulas of the file may use."""
-        return scope_of(self.quiet.whole_bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
-
-    def with_constant_integrals(self) -> NoisyFile:
-        """The file without those of its integrals that are not found constant without noise."""
-        return replace(self, integrals=self._own().with_constant_integrals().integrals)
-
-    def _own(self) -> SystemFile:
-        """The system that is shaken, with the values of this file."""
-        own = with_own_values(self.quiet, self.parameters, self.symbols)
-        return replace(own, name=self.name, integrals=self.integrals)
 
     def system(self) -> NoisySystem:
         """The system with its noise.
@@ -178,7 +146,7 @@ class NoisyFile(EquationsFile):
                 ("parameters", "symbols"),
                 f"noise needs numbers for all parameters; got none for {', '.join(self.symbols)}. Give values.",
             )
-        system = self._own().system()
+        system = self.system_file().system()
         noises = [self._read(("noise", "noises", k), text, system) for k, text in enumerate(self.noises)]
         temperature = self._read(("noise", "inverse_temperature"), str(self.inverse_temperature), None)
         return NoisySystem(system, noises, temperature)

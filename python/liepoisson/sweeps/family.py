@@ -128,7 +128,7 @@ class FileFamily(Family):
     @property
     def bracket_parameters(self) -> set[str]:
         """Those that it contains, or components of which it contains."""
-        bracket = getattr(getattr(self._file, "quiet", self._file), "bracket", None)
+        bracket = getattr(getattr(self._file, "bare", self._file), "bracket", None)
         owners = {self._file.scope.owner(symbol) for symbol in bracket.symbols} if bracket else set[str]()
         return {name for name in self.shapes if name in owners}
 
