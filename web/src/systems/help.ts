@@ -10,11 +10,12 @@ const KEYS: readonly (readonly [string, string])[] = [
   ["S", "copy the address of this state"],
   ["H", "guided tours"],
   ["shift ← → ↑ ↓", "turn the view"],
-  ["← → and Enter in the section", "choose a crossing and start there"],
+  ["← → and Enter in the section", "choose an orbit and follow it; of one orbit, a crossing"],
 ];
 
 const WORDS: readonly (readonly [string, string])[] = [
   ["Section", "Crossings of a surface, in two components. With more than two degrees of freedom this is a projection, and a projection is a cloud even where the motion is regular."],
+  ["Many orbits", "They have the energy and the Casimirs of the start. Dots are regular, crosses chaotic, squares undecided: the rule of the Python function decide, after a thousand natural times. It errs, most of all on orbits that have hardly begun to be chaotic by then."],
   ["Exponent", "The growth of a small distance per unit of time, up to that time. It tends to zero for a regular orbit, as slowly as the logarithm of time over time; a finite run proves neither order nor chaos. The band is that of starts along this orbit."],
   ["Drift", "Distance of each invariant from its value at the start: what rounding and the tolerance have done."],
   ["Angles", "They are kept as they grow, and drawn within one turn: a line ends at its end and goes on at its beginning. A section by an angle is taken modulo a turn."],
