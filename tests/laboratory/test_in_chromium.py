@@ -15,6 +15,7 @@ WEB = Path(__file__).resolve().parents[2] / "web"
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 START = [0.4, 0.2, -0.4, 0.8, 0.6, 0, 0, 0, 1]
 HOSTILE = '</script><img src=x onerror="alert(1)">'
+OTHER = lp.catalog.system("henon-heiles")
 
 
 class Hostile:
@@ -46,7 +47,11 @@ def missing():
 def driven(widget, folder):
     """What the browser saw and what the model was told."""
     traits = folder / "traits.json"
-    traits.write_text(json.dumps({name: value for name, value in widget.get_state().items() if plain(value)}))
+    first = {name: value for name, value in widget.get_state().items() if plain(value)}
+    widget = lp.view(widget.system, start=widget.start)
+    widget.system = OTHER
+    after = {name: widget.get_state()[name] for name in ("_carried", "address", "message")}
+    traits.write_text(json.dumps({**first, "after": after}))
     command = ["node", str(WEB / "test" / "widget.mjs"), str(traits), str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
     assert done.returncode == 0, f"{done.stdout}{done.stderr}\npictures: {folder}"
@@ -88,4 +93,10 @@ def test_the_script_shows_the_page_and_returns_what_is_done_there(shown, tmp_pat
     assert found["closed"]["box"]["hidden"]
     assert found["closed"]["said"]["message"] == ""
     assert (found["stray"], found["height"], found["left"]) == (0, 333, [0, 0])
+
+    # another system, which begins where the page says, and moves as Python says
+    other = found["other"]
+    assert (other["title"], other["refused"]) == ("henon-heiles", 0)
+    orbit = lp.integrate(OTHER, other["start"], times=[0, 1], method=lp.Taylor(tol=1e-15))
+    assert other["end"] == pytest.approx(list(orbit.state[0, -1]), abs=1e-12)
     assert (found["asked"], found["wrong"]) == ([], [])

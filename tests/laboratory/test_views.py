@@ -227,6 +227,36 @@ def test_only_a_view_loads_the_libraries_of_notebooks():
     assert done.stdout.split("\n")[:2] == ["", "[]"]
 
 
+def heavier(strength):
+    """Hénon and Heiles's system with another strength of the cubic term."""
+    hamiltonian = f"(p_x^2 + p_y^2 + x^2 + y^2)/2 + {strength}*(x^2*y - y^3/3)"
+    return lp.System(bracket=lp.catalog.system("henon-heiles").bracket, hamiltonian=hamiltonian)
+
+
+def test_another_system_is_shown_from_the_same_start_and_nothing_changes_where_it_cannot_be():
+    pytest.importorskip("anywidget")
+    widget = lp.view(heavier(1), start=[0.1, 0.2, 0.3, 0], state={"theme": "dark", "surface": "y", "time": 3})
+    first, began = json.loads(sent(widget)["_carried"]), widget.address
+    other = heavier("1/2")
+    widget.system = other
+    record = json.loads(sent(widget)["_carried"])
+    assert record["field"] != first["field"]
+    assert record["id"] in widget.address
+    assert (widget.system, widget.start, widget.time) == (other, (0.1, 0.2, 0.3, 0), 0)
+    assert (widget.state["theme"], widget.state["surface"]) == ("dark", "y")
+    # what the page of the last system still says is not taken
+    widget.set_state({"address": began})
+    assert "cannot take this state" in widget.message
+    assert widget.system is other
+    before = (widget.address, sent(widget)["_carried"])
+    for wrong in (3, lp.System, "<img src=x>", lp.integrate(other, widget.start, times=[0, 1])):
+        with pytest.raises(ParameterError, match="system must be a system or a top"):
+            widget.system = wrong
+        assert (widget.address, sent(widget)["_carried"]) == before
+    widget.system = TOP  # has a page of its own
+    assert (sent(widget)["_carried"], str(widget.system.epsilon), widget.state["theme"]) == ("", "1/3", "dark")
+
+
 def test_a_direction_without_a_surface_is_refused(widget):
     with pytest.raises(ParameterError, match="direction is that in which orbits cross a surface"):
         lp.view(TOP, state={"direction": -1})

@@ -139,6 +139,15 @@ describe("the state", () => {
     expect(window.name).toBe(NAME);
   });
 
+  test("of a page that is to give way to another system is neither told nor heard", async () => {
+    const { python, notebook, heard } = await connected();
+    python.set("_carried", "{}");
+    python.set("address", "v=1&system=abc");
+    notebook.keep(() => "v=1&t=8", true);
+    await new Promise((resolve) => setTimeout(resolve, 200));
+    expect([python.saved, python.get("address"), heard]).toEqual([[], "v=1&system=abc", []]);
+  });
+
   test("goes on when the frame loads again, and ends with the cell", async () => {
     const { python, end, heard } = await connected();
     const again = framed();

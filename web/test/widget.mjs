@@ -106,6 +106,18 @@ try {
   }
   await tab.waitForTimeout(300);
   found.stray = (await count()) - before;
+  // another system is another page in the same frame
+  before = await count();
+  await set(traits.after);
+  const next = await (await tab.$("iframe")).contentFrame();
+  await next.waitForFunction(() => document.getElementById("title")?.textContent === "henon-heiles" && window.laboratory?.results().top.end > 2, null, { polling: 100 });
+  found.other = await next.evaluate(() => {
+    const at = (time) => [...window.laboratory.results().top.at(time)];
+    return { title: document.getElementById("title").textContent, start: window.laboratory.state().start.map((one) => one.value), end: at(1) };
+  });
+  await tab.waitForTimeout(400);
+  found.other.refused = await tab.evaluate((n) => window.model.saved.slice(n).filter((one) => /cannot be/.test(one.message)).length, before);
+
   await set({ height: 333 });
   found.height = await element.evaluate((one) => one.getBoundingClientRect().height);
   found.left = await tab.evaluate(() => {

@@ -63,7 +63,7 @@ def view(
 
     Returns:
         A widget (anywidget) with the traits `state`, `start`, `time`, `playing`, `height`, `address` and `message`,
-        and with `system`, what it shows now.
+        and with `system`, what it shows now, which can be set to another system.
 
     Raises:
         MissingPackageError: anywidget is not installed.
@@ -95,7 +95,7 @@ def view(
             'Run pip install "liepoisson[notebook]".'
         ) from error
     size = checked_height(HEIGHTS[panels] if height is None else height)
-    return View(page, system, state=begin, playing=bool(playing), panels=panels, height=size)
+    return View(page, system, surfaces=surfaces, state=begin, playing=bool(playing), panels=panels, height=size)
 
 
 def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | None) -> tuple[Page, Any]:

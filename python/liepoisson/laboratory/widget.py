@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from importlib.resources import files
 from typing import Any, cast
@@ -13,7 +13,7 @@ import traitlets
 
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.scalars import as_count
-from liepoisson.laboratory.pages import Page, as_data
+from liepoisson.laboratory.pages import Page, as_data, page_of
 from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State
 from liepoisson.model.tops import Top
 
@@ -53,6 +53,7 @@ class View(anywidget.AnyWidget):
         height: Pixels of the frame.
         address: The state as the address of the page has it after the #.
         message: What the message of the page says, such as why a state was refused; "" where there is none.
+        system: What is shown; no trait, but it can be set to another system, such as one with other parameters.
     """
 
     _esm = traitlets.Unicode().tag(sync=True)
@@ -67,20 +68,22 @@ class View(anywidget.AnyWidget):
     time = traitlets.Any(0.0)
 
     def __init__(
-        self, page: Page, system: Any, *, state: Mapping[str, Any], playing: bool, height: int, panels: str
+        self,
+        page: Page,
+        system: Any,
+        *,
+        surfaces: Sequence[Any],
+        state: Mapping[str, Any],
+        playing: bool,
+        height: int,
+        panels: str,
     ) -> None:
-        record = page.record
-        self._addresses = Addresses.of(record)
-        self._shown = system
-        address = page.address
-        if record is not None:
-            begins = {"start": [float(text) for text in record["start"]]}
-            address = self._addresses.write(self._addresses.checked(begins))
-        self._known: State = self._addresses.read(address)
-        self._known = self._addresses.changed(self._known, state)
+        self._addresses = Addresses.of(page.record)
+        self._shown, self._surfaces = system, surfaces
+        self._known = self._addresses.changed(_begun(page, self._addresses), state)
         super().__init__(
             _esm=script(),
-            _carried="" if record is None else json.dumps(record, allow_nan=False, separators=(",", ":")),
+            _carried=_carried(page),
             _options="" if panels == "all" else "embed=1",
             playing=playing,
             height=height,
@@ -95,6 +98,33 @@ class View(anywidget.AnyWidget):
             return self._shown
         inertia, a, b = (tuple(texts[k : k + 3]) for k in (0, 3, 6))
         return Top(inertia=cast("Any", inertia), a=cast("Any", a), b=cast("Any", b), epsilon=texts[9])
+
+    @system.setter
+    def system(self, system: Any) -> None:
+        """Shows another system, from the start of now where its components have the same names.
+
+        Then surface, axes and view stay, too, if it has the same ones; theme, speed and tolerance stay always.
+        """
+        names = getattr(system, "component_names", None)
+        if isinstance(system, type) or names is None or not callable(getattr(system, "field", None)):
+            raise ParameterError(
+                f"system must be a system or a top; got {type(system).__name__!r:.40}. Show results by lp.view."
+            )
+        before, known = self._addresses, self._known
+        same = tuple(map(str, names)) == before.components
+        surfaces = self._surfaces if same else ()
+        page = page_of(system, start=known.get("start") if same else None, surfaces=surfaces)
+        addresses = Addresses.of(page.record)
+        kept = ["theme", "speed", "tol"]
+        if (addresses.surfaces, addresses.views) == (before.surfaces, before.views) and same:
+            kept += ["surface", "direction", "axes", "view", "projection", "series", "shadow"]
+        begun = _begun(page, addresses)
+        known = addresses.changed(begun, {name: known[name] for name in kept if name in known})
+        self._addresses, self._shown, self._surfaces = addresses, system, surfaces
+        with self.hold_sync():
+            self.message = ""
+            self._carried = _carried(page)
+            self.address = addresses.write(known)
 
     def set_state(self, sync_data: dict[str, Any]) -> None:
         """What comes from the page, whole or not at all: what cannot be is answered with a message and the state."""
@@ -151,6 +181,19 @@ class View(anywidget.AnyWidget):
         if any(self._known.get(name) != value for name, value in wanted.items()):
             self.message = ""
             self.address = self._addresses.write(self._addresses.changed(self._known, wanted))
+
+
+def _carried(page: Page) -> str:
+    """The description of the system of a page, as its frame is told it; "" for the page of tops."""
+    return "" if page.record is None else json.dumps(page.record, allow_nan=False, separators=(",", ":"))
+
+
+def _begun(page: Page, addresses: Addresses) -> State:
+    """The state in which a page begins."""
+    if page.record is None:
+        return addresses.read(page.address)
+    begins = {"start": [float(text) for text in page.record["start"]]}
+    return addresses.read(addresses.write(addresses.checked(begins)))
 
 
 def _shortened(message: str) -> str:

@@ -24,17 +24,19 @@ export function connection(model, name) {
   /** @type {MessagePort | null} */
   let port = null;
   let agreed = "";
+  /** What the page was opened with: another system needs the page anew. */
+  let carried = "";
   let hearing = false;
   const said = () => ({ address: String(model.get("address")), playing: Boolean(model.get("playing")), message: String(model.get("message")) });
   const tell = () => {
     const now = said();
-    if (!port || hearing || JSON.stringify(now) === agreed) return;
+    if (!port || hearing || model.get("_carried") !== carried || JSON.stringify(now) === agreed) return;
     agreed = JSON.stringify(now);
     port.postMessage(now);
   };
   /** @param {MessageEvent} event */
   const hear = ({ data }) => {
-    if (typeof data?.address !== "string" || typeof data.playing !== "boolean" || typeof data.message !== "string") return;
+    if (model.get("_carried") !== carried || typeof data?.address !== "string" || typeof data.playing !== "boolean" || typeof data.message !== "string") return;
     agreed = JSON.stringify({ address: data.address, playing: data.playing, message: data.message });
     hearing = true; // the first of the three alone is a state that nobody has set
     for (const name of SAID) model.set(name, data[name]);
@@ -55,7 +57,8 @@ export function connection(model, name) {
       port = port1;
       port.onmessage = hear;
       agreed = JSON.stringify(said());
-      const opening = { liepoisson: 1, name, carried: model.get("_carried"), options: model.get("_options"), ...said() };
+      carried = model.get("_carried");
+      const opening = { liepoisson: 1, name, carried, options: model.get("_options"), ...said() };
       window.postMessage(opening, "*", [port2]);
     },
     end() {
@@ -76,11 +79,14 @@ function render({ model, el }) {
   size();
   const { open, end } = connection(model, frame.name);
   frame.addEventListener("load", () => open(frame.contentWindow));
+  const again = () => el.append(frame); // a frame that is moved loads again
   model.on("change:height", size);
+  model.on("change:_carried", again);
   frame.srcdoc = PAGE;
   el.append(frame);
   return () => {
     model.off("change:height", size);
+    model.off("change:_carried", again);
     end();
     frame.remove();
   };
