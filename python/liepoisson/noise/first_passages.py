@@ -150,7 +150,7 @@ def first_passages(
     side = np.sign(np.asarray(value(states)))
     if (side[np.isfinite(states).all(axis=1)] == 0).any():
         raise ParameterError("function: wanted one that is not zero at the starts; got a start on it; move it off")
-    n_steps = max(1, math.ceil(end / options.method.step * (1.0 - 2 * np.finfo(float).eps)))
+    n_steps = max(1, math.ceil(end / method.step * (1.0 - 2 * np.finfo(float).eps)))
     time, coarse = np.full(len(states), np.nan), np.full(len(states), np.nan)
     outcome, last = np.full(len(states), "finished", dtype="U15"), states.copy()
     for before, at, raw in noise.in_parts(states, 0.0, end / n_steps, n_steps):

@@ -174,7 +174,7 @@ def _table(data: Any) -> dict[str, Any]:
         frame = data.to_dataframe().reset_index()
         found = {name: frame[name].to_numpy() for name in frame.columns}
     elif (columns := getattr(type(data), "columns", None)) is not None and columns is not None:
-        index = getattr(data, "index", None)
+        index: Any = getattr(data, "index", None)
         levels = [level for level in getattr(index, "names", ()) if level is not None]
         found = {level: index.get_level_values(level) for level in levels} | {name: data[name] for name in data.columns}
     else:
