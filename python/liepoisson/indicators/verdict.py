@@ -118,7 +118,7 @@ class Rule:
         return np.where(said > 0, "chaotic", np.where(said < 0, "regular", "undecided"))
 
     @property
-    def _thresholds(self) -> _core.Thresholds:
+    def _thresholds(self) -> Any:
         """As the core has them."""
         return self.growth_power, self.megno, self.sali, self.averages, self.least_time
 
