@@ -109,3 +109,10 @@ def test_the_distance_bounds_how_far_the_equilibrium_is(error):
     found = lp.phase_space.equilibrium(system, [1 + error, 0])
     assert found.family == "point"
     assert error <= 2 * found.distance <= 4 * error + 1e-12
+
+
+def test_where_the_hamiltonian_is_not_real_nothing_rests():
+    tensor = lp.PoissonTensor(["x", "y", "z"], {("x", "y"): "x*y", ("y", "z"): "2*y*z", ("x", "z"): "-x*z"})
+    found = lp.equilibria(lp.System(tensor, "x + 2*y + z - log(x) - 3*log(y) - log(z)"), {"C1": 2}, n_starts=50)
+    assert len(found) > 0
+    assert all(np.isfinite(one.energy) for one in found)

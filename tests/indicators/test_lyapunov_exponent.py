@@ -101,6 +101,15 @@ def test_regular_orbits_are_consistent_with_zero_and_have_neither_error_bar_nor_
     assert (chaotic.interval()[:, 0] > 0).all()
 
 
+def test_a_negative_exponent_is_not_consistent_with_zero():
+    r"""$x'' + x'/2 + x = 0$: the real part of the eigenvalues is -1/4."""
+    damped = lp.VectorField({"x": "y", "y": "-x - y/2"})
+    found = lyapunov_exponent(damped, [1, 0], t_end=1000, wanted_error=0.01)
+    assert not found.is_zero[0]
+    assert found.converged[0]
+    assert abs(found.exponent[0] + 0.25) < found.error[0] + 1 / found.time[0]
+
+
 def test_mean_and_distribution_are_those_of_the_values():
     estimate = lyapunov_exponent(TOP, lp.sample_states(TOP, 12, seed=1), t_end=1280, block=20, method=FAST)
     mean = estimate.mean

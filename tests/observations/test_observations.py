@@ -53,6 +53,14 @@ def test_a_run_of_ours_is_read_by_its_columns():
     np.testing.assert_array_equal(seen.value, ORBIT.state[0][:, [0, 3]])
 
 
+def test_trajectories_of_a_run_of_ours_are_runs():
+    seen = Observations(ORBIT)
+    assert seen.names == ORBIT.system.component_names
+    np.testing.assert_array_equal(seen.value[seen.run == 0], ORBIT.state[0])
+    with pytest.raises(ParameterError, match="give the result itself"):
+        Observations(ORBIT.dataset)
+
+
 def test_weights_leave_values_out_and_runs_have_names():
     seen = Observations(
         {"time": [0, 1, 0], "x": [1, 2, 3], "of": ["b", "b", "a"], "w": [4, 0, 1]}, weights="w", run="of"
@@ -132,7 +140,7 @@ def test_runs_have_all_digits_of_their_labels():
     ids=["NaN", "none", "masked"],
 )
 def test_a_row_without_a_run_is_refused(labels):
-    with pytest.raises(ParameterError, match=r"rows 2, 3 have none"):
+    with pytest.raises(ParameterError, match=r"none in rows 2, 3"):
         Observations({"t": T, "x": X, "g": labels}, run="g")
 
 

@@ -119,6 +119,14 @@ def test_a_fitted_inertia_lies_within_its_error():
     assert (inside(range(10)) >= 7).all()
 
 
+def test_parameters_of_a_damped_system_and_of_its_damping_are_found():
+    body = lp.System(lp.so(3) @ lp.trivial(), "dot(l, inv(I)*l)/2", {"I": [2, 3, 5]})
+    damped, guess = (lp.dissipation.double_bracket(body, "g", parameters={"g": g}) for g in ("1/10", "1/12"))
+    run = lp.integrate(damped, [1, 1.2, 0.3], times=np.linspace(0, 10, 21))
+    fit = lp.fits.orbit_fit(guess, lp.fits.Observations(run), ["g", "I2", "l"])
+    np.testing.assert_allclose(fit.value, [0.1, 3, 1, 1.2, 0.3], atol=1e-9)
+
+
 @pytest.mark.slow
 def test_a_fitted_inertia_lies_within_its_error_in_95_of_100_cases():
     """Counts of 88 to 100 have the probability 0.996, by the binomial law with 0.95. Measured: 95 and 95."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast, get_args
 
 from liepoisson.algebra.exact_numbers import substituted, to_sympy
 from liepoisson.compile.typed import Names, names_of
@@ -21,11 +21,13 @@ from liepoisson.damping.damping_vector import (
 from liepoisson.damping.symmetric_forms import FormLike, Known, Sign, form_entries, never_negative, read_form
 from liepoisson.errors import BracketError, ExpressionError, ParameterError
 from liepoisson.formula.parameters import GivenValue, Parameter, flattened, read_kept_values, read_parameter
+from liepoisson.formula.scope import read_declaration
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import not_a, not_a_system, shown
+from liepoisson.model.free_parameter import with_values
 from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression, read_declarations, scope_of
 from liepoisson.model.system import System
 from liepoisson.model.vector_field import VectorField
@@ -168,6 +170,15 @@ class DampedSystem(VectorField):
             angles=undamped.bracket.angles,
             source=undamped.source,
         )
+
+    def at_values(self, values: Mapping[str, GivenValue]) -> Self:
+        """The same with these values of all parameters, those of the system and those of the damping."""
+        own = {name: value for name, value in values.items() if name not in self.undamped.values}
+        of_system: Any = flattened(read_kept_values({name: values[name] for name in self.undamped.values}))
+        undamped = with_values(self.undamped, of_system)
+        symbols = [text for text in self.as_given.symbols if self.is_of_damping(read_declaration(text)[0])]
+        found: Any = DampedSystem(undamped, self.damping, own, symbols=symbols, name=self.name)
+        return found
 
     def _derived(self) -> DampingVector:
         given, system = self.damping, self.undamped

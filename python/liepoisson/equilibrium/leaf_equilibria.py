@@ -144,7 +144,8 @@ def equilibria(
     wanted = _level(integrals, values, None)
     with as_deadline(time_limit).running():
         found = _equilibria(leaf.moving, integrals, wanted, n_starts=n_starts, most=most, seed=seed)
-    return replace(found, leaf=leaf, found=tuple(with_all_energy(leaf, one) for one in found.found))
+    known = [with_all_energy(leaf, one) for one in found.found]
+    return replace(found, leaf=leaf, found=tuple(one for one in known if np.isfinite(one.energy)))  # where H is real
 
 
 def _equilibria(

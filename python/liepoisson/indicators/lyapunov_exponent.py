@@ -67,8 +67,9 @@ class ExponentEstimate(Run):
         exponent: Mean growth rate over all blocks, shape (trajectory,); NaN for a run that failed.
         error: Its standard error as an average over the time of this one orbit, from the autocorrelation of the blocks
             and from batches of them (`mean_error`), shape (trajectory,).
-        is_zero: Whether the value is consistent with zero at time t, below $3\ln(t/T)/t$, as on a regular orbit.  It
-            then falls with time: `error` is that of the average until t and of no limit, and there is no interval.
+        is_zero: Whether the value is consistent with zero at time t, at most $3\ln(t/T)/t$ in size, as on a regular
+            orbit.  It then falls with time: `error` is that of the average until t and of no limit, and there is no
+            interval.
             This bounds nothing: a chaotic orbit that has stuck to an island until t looks the same.  `decide` is the
             rule for regular and chaotic.
         converged: Whether the run finished with an exponent: not `is_zero`, both halves agree within three of their
@@ -248,11 +249,12 @@ def lyapunov_exponent(
     on from where it is, half as long again each time, until its error is that small and its halves agree, its
     value is consistent with zero and $3\ln(t/T)/t$ is that small, or `t_end` is reached.
 
-    A value below $3\ln(t/T)/t$ is what a regular orbit shows, with T its `time_scale`; then `is_zero` holds, there is
-    no interval, and `error` is that of the average so far and no bound of a limit: a sticky orbit may look regular for
-    thousands of natural times.  No error can tell of a region that the orbit has not visited yet, and the halves of
-    one that has stuck to an island for most of the run agree.  Of one that sticks in a part of the run they do, too,
-    as their errors are wide: the text of the result has the values of both, `finite_time` those of shorter windows.
+    A value of at most $3\ln(t/T)/t$ in size is what a regular orbit shows, with T its `time_scale`; then `is_zero`
+    holds, there is no interval, and `error` is that of the average so far and no bound of a limit: a sticky orbit may
+    look regular for thousands of natural times. No error can tell of a region that the orbit has not visited yet, and
+    the halves of one that has stuck to an island for most of the run agree. Of one that sticks in a part of the run
+    they do, too, as their errors are wide: the text of the result has the values of both, `finite_time` those of
+    shorter windows.
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")
@@ -348,7 +350,7 @@ def _is_done(rates: Array, block: float, wanted: float, scale: Array) -> NDArray
     """Whether runs may stop: error small enough and halves agree, or consistent with zero as closely as is wanted."""
     threshold = zero_threshold(block * rates.shape[1], scale)
     settled = (_difference_of_halves(rates) <= _HALVES) & (mean_error(rates) <= wanted)
-    return np.where(rates.mean(axis=1) <= threshold, threshold <= wanted, settled)
+    return np.where(np.abs(rates.mean(axis=1)) <= threshold, threshold <= wanted, settled)
 
 
 def _estimate(
@@ -371,7 +373,7 @@ def _estimate(
         value[rows], error[rows] = part.mean(axis=1), mean_error(part)
         halves[rows] = _difference_of_halves(part)
     duration = n_done * block
-    is_zero = value <= zero_threshold(duration, scale)
+    is_zero = np.abs(value) <= zero_threshold(duration, scale)
     converged = (frames.outcome == "finished") & (halves <= _HALVES) & ~is_zero
     if wanted is not None:
         converged &= error <= wanted

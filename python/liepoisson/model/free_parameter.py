@@ -64,12 +64,7 @@ def with_values(system: E, values: Mapping[str, Parameter]) -> E:
         top: Any = Top(inertia=all_values.pop("I"), name=system.name, **all_values)
         return top
     if isinstance(system, VectorField):
-        known = system.as_given
-        field: Any = VectorField(
-            known.equations, all_values, name=system.name, symbols=known.symbols, angles=known.angles,
-            integrals=known.integrals, source=system.source,
-        )  # fmt: skip
-        return field
+        return system.at_values(all_values)
     assert isinstance(system, System)
     given, bracket = system.as_given, system.symbolic_bracket
     energy = system.symbolic_hamiltonian if given.hamiltonian is None else given.hamiltonian

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, cast
 
 from liepoisson.algebra.exact_numbers import symbols_of
 from liepoisson.algebra.rational_polynomials import Expanded, RationalPolynomial, TooLargeError
@@ -145,6 +145,15 @@ class VectorField(EquationsOfMotion):
         from sympy import Symbol
 
         return tuple(Symbol(name) for name in self.component_names)
+
+    def at_values(self, values: Mapping[str, GivenValue]) -> Self:
+        """The same with these values of all parameters; one that is the name itself makes the parameter a symbol."""
+        known = self.as_given
+        found: Any = VectorField(
+            known.equations, values, name=self.name, symbols=known.symbols, angles=known.angles,
+            integrals=known.integrals, source=self.source,
+        )  # fmt: skip
+        return found
 
     @property
     def _names_of_angles(self) -> tuple[str, ...]:

@@ -45,9 +45,10 @@ class Observations(ReadOnlyArrays):
         <Observations of theta: 2 values at 3 times, t = 0 to 2, with errors>
 
     Args:
-        data: A CSV file with a line of names, a table, a data set, a mapping from names to columns, or the result of a
-            run with columns (`lp.integrate`).  Numbers are in the units of the equations; a cell that is empty or NaN
-            is missing.  Of a DataFrame, levels of the index that have a name are columns, too.
+        data: A CSV file with a line of names, a table, a data set, a mapping from names to columns, or the result of
+            a run with columns (`lp.integrate`), whose trajectories are runs. Numbers are in the units of the
+            equations; a cell that is empty or NaN is missing. Of a DataFrame, levels of the index that have a name
+            are columns, too.
         time: The column of times; by default the one that is called t or time.
         columns: Those that are compared, by default all that nothing else uses: a sequence of names, or a mapping from
             names to functions of the state, `{"pen": "atan2(alpha2, alpha1)"}`.  A column without such a function is
@@ -92,6 +93,8 @@ class Observations(ReadOnlyArrays):
         run: str | None = None,
     ) -> None:
         table = _table(data)
+        if isinstance(data, Tabular) and run is None and "trajectory" in table:
+            run = "trajectory"
         if errors is not None and weights is not None:
             raise ParameterError("errors: wanted errors or weights; got both; leave one out")
         spread = errors if errors is not None else weights
@@ -169,8 +172,11 @@ def _table(data: Any) -> dict[str, Any]:
     if isinstance(data, (str, Path)):
         return _read_csv(Path(data))
     if isinstance(data, Tabular):
-        found: dict[Any, Any] = dict(data.columns())
+        columns = {name: np.asarray(column) for name, column in data.columns().items()}
+        found: dict[Any, Any] = {name: column for name, column in columns.items() if column.dtype.kind != "U"}
     elif is_data_set(data):
+        if str(data.attrs.get("format", "")).startswith("liepoisson"):
+            raise ParameterError("data: wanted a table; got the data set of a result; give the result itself")
         frame = data.to_dataframe().reset_index()
         found = {name: frame[name].to_numpy() for name in frame.columns}
     elif (columns := getattr(type(data), "columns", None)) is not None and columns is not None:
@@ -370,7 +376,7 @@ def _runs(column: Any) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     values = np.ma.asanyarray(column).tolist()
     if missing := [str(row) for row, value in enumerate(values, start=1) if _is_missing(value)]:
         raise ParameterError(
-            f"run: wanted the run of each row; rows {', '.join(missing):.100} have none; fill them in, or drop the rows"
+            f"run: wanted the run of each row; none in rows {', '.join(missing):.100}; fill them in, or drop the rows"
         )
     texts = [repr(value).removesuffix(".0") if isinstance(value, float) else str(value) for value in values]
     names = tuple(dict.fromkeys(texts))

@@ -150,8 +150,10 @@ impl Worker<'_> {
             if slot.steps_left == 0 {
                 let end = times[slot.next_sample.max(1)];
                 let interval = slot.until(end);
-                // a whole number of steps up to the rounding of both times, and of what they were made of, is not one step more
-                let rounding = 8.0 * f64::EPSILON * end.abs().max((end - interval).abs());
+                // a whole number of steps is not one step more, up to the rounding of both times and of what they were made of,
+                // and of times that were shifted before
+                let of_times = 8.0 * f64::EPSILON * end.abs().max((end - interval).abs());
+                let rounding = of_times.max(1e-12 * interval.abs());
                 let count = ((interval.abs() - rounding) / longest).ceil().max(1.0);
                 (slot.steps_left, slot.equal_step) = (count as u64, precision.nearest(interval / count));
             }
