@@ -171,7 +171,7 @@ class DampedSystem(VectorField):
             source=undamped.source,
         )
 
-    def at_values(self, values: Mapping[str, GivenValue]) -> Self:
+    def _at_values(self, values: Mapping[str, GivenValue]) -> Self:
         """The same with these values of all parameters, those of the system and those of the damping."""
         own = {name: value for name, value in values.items() if name not in self.undamped.values}
         of_system: Any = flattened(read_kept_values({name: values[name] for name in self.undamped.values}))

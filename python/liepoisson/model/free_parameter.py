@@ -64,7 +64,7 @@ def with_values(system: E, values: Mapping[str, Parameter]) -> E:
         top: Any = Top(inertia=all_values.pop("I"), name=system.name, **all_values)
         return top
     if isinstance(system, VectorField):
-        return system.at_values(all_values)
+        return system._at_values(all_values)  # pyright: ignore[reportPrivateUsage]  # each kind makes itself anew
     assert isinstance(system, System)
     given, bracket = system.as_given, system.symbolic_bracket
     energy = system.symbolic_hamiltonian if given.hamiltonian is None else given.hamiltonian

@@ -146,7 +146,7 @@ class VectorField(EquationsOfMotion):
 
         return tuple(Symbol(name) for name in self.component_names)
 
-    def at_values(self, values: Mapping[str, GivenValue]) -> Self:
+    def _at_values(self, values: Mapping[str, GivenValue]) -> Self:
         """The same with these values of all parameters; one that is the name itself makes the parameter a symbol."""
         known = self.as_given
         found: Any = VectorField(
