@@ -21,7 +21,7 @@ async function start(): Promise<void> {
   else if (isTyped(location.hash)) await typed();
   else {
     addEventListener("hashchange", () => isTyped(location.hash) && location.reload());
-    await import("./main");
+    await new (await import("./tops/page")).TopPage().begin();
   }
 }
 

@@ -5,7 +5,8 @@ import { asPython } from "../src/export/python";
 import { SvgContext } from "../src/export/svg";
 import { csv } from "../src/export/table";
 import { exact, NotANumber, shortest } from "../src/state/exact";
-import { begun, changed, Refused, sameRun, type Laboratory } from "../src/state/laboratory";
+import { Refused } from "../src/state/everyday";
+import { begun, changed, sameRun, type Laboratory } from "../src/state/laboratory";
 import { read, written } from "../src/state/url";
 import { exponentTimes } from "../src/worker/times";
 

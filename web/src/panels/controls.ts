@@ -3,7 +3,8 @@
 import { components, families, parameters } from "../data/tops";
 import type { Results } from "../results";
 import { exact, shortest, type Exact } from "../state/exact";
-import { type Action, type Direction, type Frame, type Laboratory } from "../state/laboratory";
+import type { Direction } from "../state/everyday";
+import type { Action, Frame, Laboratory } from "../state/laboratory";
 import { element, plain } from "../symbols";
 
 type Do = (action: Action) => void;

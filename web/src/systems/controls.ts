@@ -2,7 +2,7 @@
 
 import type { Results } from "../results";
 import { exact, type Exact } from "../state/exact";
-import type { Direction } from "../state/laboratory";
+import type { Direction } from "../state/everyday";
 import { element, plain } from "../symbols";
 import { withoutTime, type SystemDescription } from "./description";
 import { aboutEnergy } from "./time";
