@@ -11,12 +11,14 @@ import { fillHelp, openHelp, type Help } from "./panels/help";
 import { LyapunovPanel } from "./panels/lyapunov";
 import { PortraitPanel } from "./panels/portrait";
 import { SectionPanel } from "./panels/section";
+import { ShareDialog } from "./panels/share";
 import { Tours } from "./panels/tour";
 import { Results } from "./results";
 import type { Charted, Clock, Coordinates } from "./state/charted";
 import { THEMES, type Everyday, type EverydayAction } from "./state/everyday";
 import { shortest } from "./state/exact";
 import { place, withPartsOf } from "./state/place";
+import { PRISTINE } from "./state/pristine";
 import { palette as currentPalette, type Palette } from "./style/palette";
 import type { SystemDescription } from "./systems/description";
 import type { FanJob } from "./systems/fan/computation";
@@ -83,6 +85,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
   /** Ends what listens to the window, and the frames. */
   protected readonly gone = new AbortController();
   private asked = 0;
+  private readonly dialog = new ShareDialog(find<HTMLDialogElement>("sharing"), say);
 
   constructor(protected state: State, protected readonly kind: Kind) {
     const { system, coordinates, clock, width, help } = kind;
@@ -213,7 +216,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
   private header(): void {
     const { signal } = this.gone;
     const on = (id: string, does: () => void) => find(id).addEventListener("click", does, { signal });
-    on("share", () => void this.share());
+    on("share", () => this.sharing());
     on("python", () => void this.python());
     on("guide", () => this.tours.choose());
     on("theme", () => this.nextTheme());
@@ -264,6 +267,11 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
 
   private async share(): Promise<void> {
     tell(await place().share(this.written()));
+  }
+
+  private sharing(): void {
+    const title = [find("title").textContent, "the laboratory of liepoisson"].filter(Boolean).join(", ");
+    this.dialog.open({ base: location.href.split(/[?#]/)[0], address: this.written(), title, file: this.exported().file, pristine: PRISTINE });
   }
 
   /** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */

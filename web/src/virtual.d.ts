@@ -1,5 +1,5 @@
 declare module "virtual:core" {
-  /** The built core: gzip, in base64. */
+  /** The built core: gzip, as `packed` writes it. */
   const packed: string;
   export default packed;
 }

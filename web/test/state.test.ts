@@ -1,13 +1,16 @@
 import { readFileSync } from "node:fs";
+import decodeQR from "qr/decode.js";
 import { describe, expect, test } from "vitest";
 import { components, presets } from "../src/data/tops";
-import { asPython } from "../src/export/python";
+import { asPython, facts } from "../src/tops/export";
 import { SvgContext } from "../src/export/svg";
 import { csv } from "../src/export/table";
+import { codeOf, frameLine, pageWith } from "../src/panels/share";
 import { exact, NotANumber, shortest } from "../src/state/exact";
 import { Refused } from "../src/state/everyday";
 import { begun, changed, sameRun, type Laboratory } from "../src/state/laboratory";
 import { read, written } from "../src/state/url";
+import { packed, unpacked } from "../src/worker/packed";
 import { exponentTimes } from "../src/worker/times";
 
 describe("exact numbers", () => {
@@ -109,12 +112,50 @@ describe("the lines of Python", () => {
   });
 });
 
+describe("bytes as text", () => {
+  test("come back, whatever their number", () => {
+    for (const count of [0, 1, 2, 3, 4, 5, 63, 64, 1000]) {
+      for (const fill of [(k: number) => (k * 167 + 13) % 256, () => 255, () => 0]) {
+        const bytes = Uint8Array.from({ length: count }, (_, k) => fill(k));
+        expect([...unpacked(packed(bytes))]).toEqual([...bytes]);
+      }
+    }
+  });
+  test("mean nothing in a script or in a page", () => expect(packed(Uint8Array.from({ length: 4000 }, (_, k) => (k * k) % 251))).not.toMatch(/["'`\\<>&$/\s]/));
+});
+
+describe("what is handed on", () => {
+  const page = `<html><body><p>one</p><script>"</body>"</script></body></html>`;
+  test("a page as one file opens with the state, however often it is saved", () => {
+    const once = pageWith(page, "v=1&name=</script><b>");
+    expect(once).toContain('<script type="text/plain" id="address">v=1&name=%3C/script>%3Cb></script>\n</body></html>');
+    expect(pageWith(once.replace("<!doctype html>\n", ""), "v=2").match(/id="address"/g)).toHaveLength(1);
+  });
+  test("a line for another page is no markup but its own", () => {
+    expect(frameLine('https://a.b/?embed=1#v=1&x="<b>', '"><script>')).toMatch(/^<iframe src="https:\/\/a\.b\/\?embed=1#v=1&amp;x=&quot;&lt;b>" title="&quot;>&lt;script>" width="100%" /);
+  });
+  test("the code of an address is read back", () => {
+    const text = "https://example.org/laboratory/#v=1&own=1&bracket=canonical&H=p_x^2/2";
+    const { size, path } = codeOf(text)!;
+    const pixels = new Uint8Array((4 * size) ** 2 * 4).fill(255);
+    for (const [, x, y] of path.matchAll(/M(\d+) (\d+)/g)) {
+      for (let i = 0; i < 16; i++) pixels.fill(0, 4 * ((4 * Number(y) + (i >> 2)) * 4 * size + 4 * Number(x) + (i & 3)), 4 * ((4 * Number(y) + (i >> 2)) * 4 * size + 4 * Number(x) + (i & 3)) + 3);
+    }
+    expect(decodeQR({ width: 4 * size, height: 4 * size, data: pixels })).toBe(text);
+    expect(codeOf("x".repeat(3000))).toBeNull();
+  });
+});
+
 describe("tables and pictures", () => {
   test("a table says what it is of, and leaves out what is not known", () => {
-    const text = csv(begun("charged"), { what: "of a test", columns: ["t", "x"], rows: [[1, 2.5], [2, NaN]] });
+    const text = csv(facts(begun("charged")), { what: "of a test", columns: ["t", "x"], rows: [[1, 2.5], [2, NaN]] });
     expect(text).toMatch(/^# of a test\n# liepoisson \d/);
     expect(text).toContain("I2 = 3/2");
     expect(text.endsWith("\nt,x\n1,2.5\n2,\n")).toBe(true);
+  });
+  test("names and words of a table may hold any character", () => {
+    const text = csv(["system: one\ntwo"], { what: "w", columns: ["a,b", 'say "x"'], rows: [["chaotic", 1]] });
+    expect(text).toBe('# w\n# system: one\n# two\n"a,b","say ""x"""\nchaotic,1\n');
   });
   test("text in a picture is never markup", () => {
     const context = new SvgContext({} as CanvasRenderingContext2D);

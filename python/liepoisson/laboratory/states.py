@@ -167,6 +167,8 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         "axes": several("axes", 2, 2),
         "tol": _within("tol", *TOLERANCES),
         "view": _one_of("view", page.views),
+        "fan": _fan,
+        "orbits": _points,
         "theme": _one_of("theme", THEMES),
         "time": _within("time", 0, page.horizon),
         "speed": _within("speed", *SPEEDS),
@@ -175,8 +177,6 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         of_systems: dict[str, Callable[[Any], Any]] = {
             "projection": several("projection", 2, 3),
             "series": several("series", 0, MOST_SERIES),
-            "fan": _fan,
-            "orbits": _points,
         }
         return shared | of_systems
     return of_tops | shared | {"shadow": _yes_or_no}
@@ -319,6 +319,8 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "start": _same("start", lambda text: [_number(one) for one in text.split(",")], _joined),
         "section": (section, written_section),
         "axes": several("axes"),
+        "fan": _same("fan", int, str),
+        "orbits": _same("orbits", _pairs, _in_a_row),
         "theme": _same("theme"),
         "t": _same("time", _number, shortest),
         "speed": _same("speed", _number, shortest),
@@ -328,8 +330,6 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
             "view": _same("view"),
             "space": several("projection", 3),
             "series": several("series"),
-            "fan": _same("fan", int, str),
-            "orbits": _same("orbits", _pairs, _in_a_row),
         }
         return shared | own | {"tol": _same("tol", _number, shortest)}
     parameters = _same(

@@ -1,11 +1,10 @@
 /** The page of tops: the body in its views, parameters and start with sliders, presets. */
 
-import { asPython } from "../export/python";
 import { attitudeOf } from "../panels/attitude";
 import { ControlsPanel } from "../panels/controls";
 import { ScenePanel } from "../panels/scene";
 import { find, Page, quality, tell } from "../page";
-import { attitude, components, families, N, parameters, position, presetOf, presets, VERSION, WIDTH } from "../data/tops";
+import { attitude, components, families, N, position, presetOf, presets, WIDTH } from "../data/tops";
 import { COORDINATES_OF_TOPS, OF_TOPS, type Charted } from "../state/charted";
 import type { EverydayAction } from "../state/everyday";
 import type { Exact } from "../state/exact";
@@ -14,6 +13,7 @@ import { read, written } from "../state/url";
 import { plain } from "../symbols";
 import type { FanJob } from "../systems/fan/computation";
 import type { Job } from "../worker/messages";
+import { asPython, facts } from "./export";
 import { HELP } from "./help";
 import { systemOf } from "./system";
 
@@ -192,17 +192,4 @@ export class TopPage extends Page<Laboratory, Action> {
 /** Parameters of a state. */
 function numbers(lab: Laboratory): number[] {
   return lab.parameters.map((one) => one.value);
-}
-
-/** System, start and method, each as it was entered. */
-export function facts(lab: Laboratory): string[] {
-  const list = (names: readonly string[], values: readonly { readonly text: string }[]) => names.map((name, k) => `${name} = ${values[k].text}`).join(", ");
-  return [
-    `liepoisson ${VERSION}, the laboratory; core in WebAssembly`,
-    `top: ${list(parameters, lab.parameters)}`,
-    `start: ${list(components, lab.start)}`,
-    `method: Taylor, tol = ${lab.method.tol.text}`,
-    "units: dimensionless; time in the top's own unit, exponents in its inverse",
-    `address: #${written(lab)}`,
-  ];
 }

@@ -1,14 +1,14 @@
 /** The page's side of the worker: starts it with the core, gives it jobs, and hands on the updates of the newest. */
 
-import packed from "virtual:core";
+import core from "virtual:core";
 import type { FromWorker, Job, SystemJob, ToWorker, Update } from "./messages";
+import { unpacked } from "./packed";
 import type { Projected } from "./projection";
 import Worker from "./worker?worker&inline";
 
 /** The core, unpacked. */
 export async function program(): Promise<ArrayBuffer> {
-  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const stream = new Blob([unpacked(core)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Response(stream).arrayBuffer();
 }
 
