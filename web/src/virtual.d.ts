@@ -3,3 +3,8 @@ declare module "virtual:core" {
   const packed: string;
   export default packed;
 }
+
+declare module "subset-font" {
+  /** The letters of a text alone, of a font. */
+  export default function subsetFont(font: Uint8Array, text: string, options: { targetFormat: "woff2" }): Promise<Buffer>;
+}
