@@ -20,6 +20,7 @@ export class PortraitPanel {
   constructor(panel: HTMLElement, private readonly coordinates: Coordinates = COORDINATES_OF_TOPS, private readonly clock: Clock = OF_TOPS) {
     const past = `last ${inUnits(PAST, clock)} time units`;
     this.plot = new Plot(panel, `Phase portrait of the ${past}`);
+    this.plot.zoomable();
     (panel.querySelector("p") as HTMLElement).textContent = past;
   }
 
@@ -32,10 +33,11 @@ export class PortraitPanel {
     if (anew) [this.results, this.key, this.seen, this.extents] = [results, key, 0, [new Extent(), new Extent()]];
     const grown = this.look(results, columns);
     if (plot.measure() || anew || grown) {
-      [plot.x, plot.y] = this.extents.map(({ range }, axis) => {
+      const [x, y] = this.extents.map(({ range }, axis) => {
         const turn = turns[columns[axis]];
         return { range: range ? padded(range, turn) : ([-1, 1] as const), name: lab.axes[axis], turn };
       });
+      plot.fit(x, y);
       plot.axes(palette);
     }
     plot.clearAbove();

@@ -1,6 +1,6 @@
 /** Keys of the page of a system, and what the charts do not prove. */
 
-import { MANY_ORBITS, type Help } from "../panels/help";
+import { MANY_ORBITS, ZOOM, type Help } from "../panels/help";
 
 const KEYS: Help["keys"] = [
   ["space", "play or pause"],
@@ -14,6 +14,7 @@ const KEYS: Help["keys"] = [
   ["H", "guided tours"],
   ["shift ← → ↑ ↓", "turn the view"],
   ["← → and Enter in the section", "choose an orbit and follow it; of one orbit, a crossing"],
+  ZOOM,
 ];
 
 const WORDS: Help["words"] = [

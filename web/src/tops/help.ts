@@ -1,6 +1,6 @@
 /** Keys of the page of tops, and what its charts do not prove. */
 
-import { MANY_ORBITS, type Help } from "../panels/help";
+import { MANY_ORBITS, ZOOM, type Help } from "../panels/help";
 
 const KEYS: Help["keys"] = [
   ["space", "play or pause"],
@@ -16,6 +16,7 @@ const KEYS: Help["keys"] = [
   ["shift ← → ↑ ↓", "turn the view"],
   ["H", "guided tours"],
   ["← → and Enter in the section", "choose a crossing and start there; of many orbits, one to follow"],
+  ZOOM,
 ];
 
 const WORDS: Help["words"] = [

@@ -215,7 +215,8 @@ export class FanSection {
     if (plot.measure() || this.dirty || key !== this.shown) {
       this.shown = key;
       this.dirty = false;
-      for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) plot[axis] = { range: this.range(column), name: components[column], turn: turns[column] };
+      const [x, y] = this.columns.map((column) => ({ range: this.range(column), name: components[column], turn: turns[column] }));
+      plot.fit(x, y);
       plot.axes(palette);
       const colours = verdictColours();
       plot.below.save();
@@ -250,10 +251,12 @@ export class FanSection {
     if (last < 0 || this.old) return;
     const row = results.crossings.rows[last];
     const { above } = this.plot;
+    const [x, y] = [this.plot.px(row[this.columns[0]]), this.plot.py(row[this.columns[1]])];
+    if (!this.plot.holds(x, y)) return;
     above.strokeStyle = palette.ink;
     above.lineWidth = 2;
     above.beginPath();
-    above.arc(this.plot.px(row[this.columns[0]]), this.plot.py(row[this.columns[1]]), 6, 0, 7);
+    above.arc(x, y, 6, 0, 7);
     above.stroke();
     above.lineWidth = 1;
   }
