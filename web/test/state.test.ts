@@ -5,6 +5,7 @@ import { components, presets } from "../src/data/tops";
 import { asPython, facts } from "../src/tops/export";
 import { SvgContext } from "../src/export/svg";
 import { csv } from "../src/export/table";
+import { curveOf, type Levels } from "../src/panels/levels";
 import { codeOf, frameLine, pageWith } from "../src/panels/share";
 import { exact, NotANumber, shortest } from "../src/state/exact";
 import { Refused } from "../src/state/everyday";
@@ -122,6 +123,31 @@ describe("bytes as text", () => {
     }
   });
   test("mean nothing in a script or in a page", () => expect(packed(Uint8Array.from({ length: 4000 }, (_, k) => (k * k) % 251))).not.toMatch(/["'`\\<>&$/\s]/));
+});
+
+describe("level curves", () => {
+  const grid = (size: number, f: (x: number, y: number) => number): Levels => {
+    const at = (k: number) => -2 + (4 * k) / (size - 1);
+    return { ranges: [[-2, 2], [-2, 2]], size, values: Float64Array.from({ length: size * size }, (_, k) => f(at(k % size), at(Math.floor(k / size)))) };
+  };
+  test("lie where the function has the level, all around", () => {
+    const ends = curveOf(grid(81, (x, y) => x * x / 4 + y * y), 0.5);
+    const off = ends.flatMap((x, k) => (k % 2 ? [] : [Math.abs(x * x / 4 + ends[k + 1] ** 2 - 0.5)]));
+    // a chord is off by the second derivative times the square of the step over eight
+    expect(Math.max(...off)).toBeLessThan((2 * 0.05 ** 2) / 8);
+    const angles = ends.flatMap((x, k) => (k % 2 ? [] : [Math.atan2(2 * ends[k + 1], x)])).sort((a, b) => a - b);
+    expect(Math.max(...angles.map((angle, k) => angle - (angles[k - 1] ?? -Math.PI)))).toBeLessThan(0.1);
+  });
+  test("pass a saddle on the side of its level", () => {
+    const saddle = grid(2, (x, y) => x * y);
+    // above the saddle the curve goes around the corners where x and y have one sign
+    for (const [level, sign] of [[0.1, 1], [-0.1, -1]]) {
+      const ends = curveOf(saddle, level);
+      expect(ends).toHaveLength(8);
+      for (const k of [0, 4]) expect(Math.sign((ends[k] + ends[k + 2]) * (ends[k + 1] + ends[k + 3]))).toBe(sign);
+    }
+  });
+  test("leave out where there is no number", () => expect(curveOf(grid(9, () => NaN), 0)).toEqual([]));
 });
 
 describe("what is handed on", () => {

@@ -1,5 +1,6 @@
 /** What page and worker say to each other.  Arrays are flat and row-major. */
 
+import type { Levels } from "../panels/levels";
 import type { Saved, SystemDescription } from "../systems/description";
 import type { FanJob, FanUpdate } from "../systems/fan/computation";
 import type { Made, NotMade, Question } from "../systems/typing/made";
@@ -58,6 +59,8 @@ export type Update =
   | { readonly say: "exponent"; readonly times: Float64Array; readonly values: Float64Array }
   /** Deciles 1, 5 and 9 of an ensemble (time, 3). */
   | { readonly say: "band"; readonly members: number; readonly times: Float64Array; readonly values: Float64Array }
+  /** The energy of a system of two components, around its orbit. */
+  | { readonly say: "levels"; readonly levels: Levels }
   /** Largest difference of a saved result, where it is, up to which time it is small, and how many numbers were compared. */
   | { readonly say: "compared"; readonly largest: number; readonly at: number; readonly component: string; readonly until: number; readonly count: number; readonly words: string }
   | { readonly say: "ended"; readonly what: string; readonly outcome: string; readonly time: number }
