@@ -16,10 +16,11 @@ import { Tours } from "./panels/tour";
 import { Results } from "./results";
 import type { Charted, Clock, Coordinates } from "./state/charted";
 import { THEMES, type Everyday, type EverydayAction } from "./state/everyday";
-import { shortest } from "./state/exact";
+import { shortest, type Exact } from "./state/exact";
 import { place, withPartsOf } from "./state/place";
 import { PRISTINE } from "./state/pristine";
 import { palette as currentPalette, type Palette } from "./style/palette";
+import { plain } from "./symbols";
 import type { SystemDescription } from "./systems/description";
 import type { FanJob } from "./systems/fan/computation";
 import { FanSection } from "./systems/fan/panel";
@@ -31,6 +32,8 @@ const STEP = 1 / 60;
 const AHEAD = 60;
 /** Charts that do not move are looked at every so many frames. */
 const CHARTS_EVERY = 6;
+/** A projection has converged where no equation is off by more. */
+const CONVERGED = 1e-13;
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
 
 export const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
@@ -59,6 +62,8 @@ export interface Kind {
   readonly clock: Clock;
   /** Numbers of a row of the motion. */
   readonly width: number;
+  /** To whose values the start can be moved. */
+  readonly conserved: readonly string[];
   readonly help: Help;
   /** The system of guided tours; none of those of tops. */
   readonly tours?: string;
@@ -173,6 +178,27 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
       say(words);
     } catch (error) {
       tell((error as Error).message);
+    }
+  }
+
+  /** Moves the start to the nearest state with these values of energy and Casimirs; the others keep theirs. */
+  protected async startOn(entered: Readonly<Record<string, Exact>>): Promise<void> {
+    if (!this.client) return;
+    const [before, { names, first }] = [this.state, this.results];
+    const kept = Object.fromEntries(names.flatMap((name, k) => (this.kind.conserved.includes(name) ? [[name, first[k]]] : [])));
+    const wanted = { ...kept, ...Object.fromEntries(Object.entries(entered).map(([name, to]) => [name, to.value])) };
+    try {
+      const { state, residuals } = await this.client.project(this.job(), wanted);
+      if (!this.sameMotion(before, this.state)) return;
+      const [worst, off] = Object.entries(residuals).reduce((a, b) => (Math.abs(b[1]) > Math.abs(a[1]) ? b : a));
+      if (!(Math.abs(off) <= CONVERGED)) {
+        const values = Object.entries(wanted).map(([name, value]) => `${plain(name)} = ${Number(value.toPrecision(6))}`).join(", ");
+        tell(`No state with ${values} was found near this start: Newton's method ends where ${plain(worst)} is off by ${Math.abs(off).toPrecision(1)} of its size. Values may exclude one another; try one nearer to the present.`);
+        return;
+      }
+      this.startAt(state, "the start has these values");
+    } catch (error) {
+      tell(`The start cannot be moved there: ${(error as Error).message}`);
     }
   }
 

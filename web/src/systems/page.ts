@@ -9,7 +9,7 @@ import type { EverydayAction } from "../state/everyday";
 import type { Exact } from "../state/exact";
 import { inWords } from "./comparison";
 import { SystemControls } from "./controls";
-import { CARRIED, described, type SystemDescription } from "./description";
+import { CARRIED, described, targetsOf, type SystemDescription } from "./description";
 import type { FanJob } from "./fan/computation";
 import { FlatView, Ranges, seriesColours } from "./flat";
 import { HELP } from "./help";
@@ -44,13 +44,13 @@ export class SystemPage extends Page<SystemState, SystemAction> {
   constructor(private system: SystemDescription, private readonly typed: Typed | null = null) {
     document.documentElement.dataset.page = "system";
     const clock = clockOf(system);
-    super(begun(system), { system, coordinates: system, clock, width: system.components.length, help: HELP, tours: system.name });
+    super(begun(system), { system, coordinates: system, clock, width: system.components.length, conserved: targetsOf(system), help: HELP, tours: system.name });
     this.ranges = new Ranges(system.turns);
     this.views = viewsOf(system);
     const panel = find("scene");
     panel.setAttribute("aria-label", "The motion");
     (document.querySelector(".skip") as HTMLElement).textContent = "Skip to the motion";
-    this.controls = new SystemControls(find("controls"), system, (action) => this.act(action), tell);
+    this.controls = new SystemControls(find("controls"), system, (action) => this.act(action), tell, (entered) => void this.startOn(entered));
     this.space = new SpaceView(panel.querySelector(".view") as HTMLElement, system, clock, quality, this.views.includes("vectors"));
     this.flat = new FlatView(panel, system, clock);
     if (typed) this.startsByClick();

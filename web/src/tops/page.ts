@@ -1,24 +1,20 @@
 /** The page of tops: the body in its views, parameters and start with sliders, presets. */
 
 import { attitudeOf } from "../panels/attitude";
-import { ControlsPanel } from "../panels/controls";
+import { ControlsPanel, PROJECTED } from "../panels/controls";
 import { ScenePanel } from "../panels/scene";
 import { find, Page, quality, tell } from "../page";
-import { attitude, components, families, N, position, presetOf, presets, WIDTH } from "../data/tops";
+import { attitude, components, N, position, presetOf, presets, WIDTH } from "../data/tops";
 import { COORDINATES_OF_TOPS, OF_TOPS, type Charted } from "../state/charted";
 import type { EverydayAction } from "../state/everyday";
-import type { Exact } from "../state/exact";
 import { begun, changed, FRAMES, HORIZON, sameRun, type Action, type Laboratory } from "../state/laboratory";
 import { read, written } from "../state/url";
-import { plain } from "../symbols";
 import type { FanJob } from "../systems/fan/computation";
 import type { Job } from "../worker/messages";
 import { asPython, facts } from "./export";
 import { HELP } from "./help";
 import { systemOf } from "./system";
 
-/** A projection has converged where no equation is off by more. */
-const CONVERGED = 1e-13;
 const MESSAGE = "A projection of the section is a cloud even where the motion is regular: look at the exponent, too.";
 
 export class TopPage extends Page<Laboratory, Action> {
@@ -28,7 +24,7 @@ export class TopPage extends Page<Laboratory, Action> {
 
   constructor() {
     const lab = begun("twisted-kovalevskaya");
-    super(lab, { system: systemOf(numbers(lab)), coordinates: COORDINATES_OF_TOPS, clock: OF_TOPS, width: WIDTH, help: HELP });
+    super(lab, { system: systemOf(numbers(lab)), coordinates: COORDINATES_OF_TOPS, clock: OF_TOPS, width: WIDTH, conserved: PROJECTED, help: HELP });
     this.controls = new ControlsPanel(find("controls"), (action) => this.act(action), tell, (entered) => void this.startOn(entered));
     this.scene = new ScenePanel(find("scene"), quality);
     this.buttons("Presets", presets.map(({ key, title, kind }) => [key, title, kind, () => this.act({ do: "preset", key })]));
@@ -81,27 +77,6 @@ export class TopPage extends Page<Laboratory, Action> {
 
   protected charted(): Charted {
     return this.state;
-  }
-
-  /** Moves the start to the nearest state with these values of energy and Casimirs; the others keep theirs. */
-  private async startOn(entered: Readonly<Record<string, Exact>>): Promise<void> {
-    if (!this.client) return;
-    const [before, { names, first }] = [this.state, this.results];
-    const kept = Object.fromEntries(names.flatMap((name, k) => (families[0].names.includes(name) ? [[name, first[k]]] : [])));
-    const wanted = { ...kept, ...Object.fromEntries(Object.entries(entered).map(([name, to]) => [name, to.value])) };
-    try {
-      const { state, residuals } = await this.client.project(this.job(), wanted);
-      if (this.state.start !== before.start || this.state.parameters !== before.parameters) return;
-      const [worst, off] = Object.entries(residuals).reduce((a, b) => (Math.abs(b[1]) > Math.abs(a[1]) ? b : a));
-      if (!(Math.abs(off) <= CONVERGED)) {
-        const values = Object.entries(wanted).map(([name, value]) => `${plain(name)} = ${Number(value.toPrecision(6))}`).join(", ");
-        tell(`No state with ${values} was found near this start: Newton's method ends where ${plain(worst)} is off by ${Math.abs(off).toPrecision(1)} of its size. Values may exclude one another; try one nearer to the present.`);
-        return;
-      }
-      this.startAt(state, "the start has these values");
-    } catch (error) {
-      tell(`The start cannot be moved there: ${(error as Error).message}`);
-    }
   }
 
   protected shows(): void {

@@ -44,7 +44,7 @@ export class Client {
   }
 
   /** The state near the start of a job at which invariants have values, and how far each is from its own. */
-  project(job: Job, wanted: Readonly<Record<string, number>>): Promise<Projected> {
+  project(job: Job | SystemJob, wanted: Readonly<Record<string, number>>): Promise<Projected> {
     return new Promise((answer, fail) => {
       const number = this.questions.push({ answer, fail }) - 1;
       this.say({ say: "project", number, job, wanted });

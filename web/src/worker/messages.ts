@@ -38,7 +38,7 @@ export type ToWorker =
   /** The motion is wanted up to here. */
   | { readonly say: "until"; readonly generation: number; readonly time: number }
   /** The state near the start of a job at which invariants have these values is wanted. */
-  | { readonly say: "project"; readonly number: number; readonly job: Job; readonly wanted: Readonly<Record<string, number>> }
+  | { readonly say: "project"; readonly number: number; readonly job: Job | SystemJob; readonly wanted: Readonly<Record<string, number>> }
   /** The system that somebody has typed is wanted. */
   | { readonly say: "typed"; readonly number: number; readonly question: Question }
   /** The fan of a job is wanted, or none any more. */
