@@ -44,7 +44,7 @@ export class PortraitPanel {
         return { range: seen ? (levels ? seen : padded(seen, turn)) : ([-1, 1] as const), name: lab.axes[axis], turn };
       });
       plot.fit(x, y);
-      this.head.textContent = levels ? `curves of equal H, ${this.past}` : this.past;
+      this.head.textContent = levels ? "level curves of H" : this.past;
       plot.axes(palette);
       if (levels && columns[0] !== columns[1]) this.curves(levels, columns, palette);
     }
