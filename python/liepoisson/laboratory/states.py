@@ -39,8 +39,8 @@ FANS, MOST_ADDED = (10, 40), 40
 MOST_IN_VECTORS = 27
 LONGEST_MESSAGE = 1000
 HORIZON = 1e4
-"""As the page has them (`state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the last in its units of
-time."""
+"""As the page has them (`state/everyday.ts`, `state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the
+last in its units of time."""
 
 
 _LONGEST = 16_000
@@ -319,19 +319,18 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "start": _same("start", lambda text: [_number(one) for one in text.split(",")], _joined),
         "section": (section, written_section),
         "axes": several("axes"),
-        "fan": _same("fan", int, str),
-        "orbits": _same("orbits", _pairs, _in_a_row),
         "theme": _same("theme"),
         "t": _same("time", _number, shortest),
         "speed": _same("speed", _number, shortest),
     }
+    section_of_many = {"fan": _same("fan", int, str), "orbits": _same("orbits", _pairs, _in_a_row)}
     if page.system:
         own = {
             "view": _same("view"),
             "space": several("projection", 3),
             "series": several("series"),
         }
-        return shared | own | {"tol": _same("tol", _number, shortest)}
+        return shared | own | section_of_many | {"tol": _same("tol", _number, shortest)}
     parameters = _same(
         "parameters",
         lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)),
@@ -341,6 +340,7 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "preset": (_preset, lambda state: state.get("preset")),
         "top": parameters,
         **shared,
+        **section_of_many,
         "method": _same("tol", lambda text: _number(text.removeprefix("taylor,")), lambda v: f"taylor,{shortest(v)}"),
         "frame": _same("view"),
         "shadow": _same("shadow", lambda text: text == "1", lambda shown: str(int(shown))),
