@@ -3,7 +3,9 @@ import { createHash } from "node:crypto";
 import { readdirSync, readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { gzipSync } from "node:zlib";
+import subsetFont from "subset-font";
 import { defineConfig, runnerImport, type Plugin } from "vite";
+import { packed } from "./src/worker/packed.ts";
 
 const PROGRAM = resolve(import.meta.dirname, "../python/liepoisson/laboratory/page/core.wasm");
 
@@ -15,8 +17,7 @@ function core(): Plugin {
     resolveId: (id) => (id === name ? `\0${name}` : undefined),
     load: (id) => {
       if (id !== `\0${name}`) return undefined;
-      const packed = gzipSync(readFileSync(PROGRAM), { level: 9 }).toString("base64");
-      return `export default ${JSON.stringify(packed)};`;
+      return `export default ${JSON.stringify(packed(gzipSync(readFileSync(PROGRAM), { level: 9 })))};`;
     },
   };
 }
@@ -41,13 +42,23 @@ function tours(): Plugin {
   };
 }
 
+/** Of this font the page needs one letter, ℓ, for which the rest of it would be 44 kB. */
+const ONE_LETTER = resolve(import.meta.dirname, "node_modules/@fontsource/stix-two-text/files/stix-two-text-latin-ext-400-italic.woff2");
+
+async function withOneLetter(styles: string): Promise<string> {
+  const font = readFileSync(ONE_LETTER);
+  const whole = font.toString("base64");
+  if (!styles.includes(whole)) throw new Error("the style has no longer the font of which it needs one letter");
+  return styles.replace(whole, (await subsetFont(font, "ℓ", { targetFormat: "woff2" })).toString("base64"));
+}
+
 /** Puts script and style into the page, and the hash of the script into its policy: nothing else can run in it. */
 function oneFile(): Plugin {
   return {
     name: "one-file",
     apply: "build",
     enforce: "post",
-    generateBundle(_, bundle) {
+    async generateBundle(_, bundle) {
       const page = bundle["index.html"];
       if (page?.type !== "asset") return;
       let [html, scripts, styles] = [String(page.source), "", ""];
@@ -63,6 +74,7 @@ function oneFile(): Plugin {
       const script = scripts.replaceAll("</script", "<\\/script").replaceAll("__VITE_PRELOAD__", "[]");
       const hash = createHash("sha256").update(script).digest("base64");
       html = html.replace(/\s*<script type="module"[^>]*><\/script>/, "").replace(/\s*<link rel="stylesheet"[^>]*>/, "");
+      styles = await withOneLetter(styles);
       html = html.replace("</head>", () => `<style>${styles}</style>\n</head>`);
       html = html.replace("</body>", () => `<script type="module">${script}</script>\n</body>`);
       page.source = html.replace("script-src 'self'", `script-src 'sha256-${hash}'`);

@@ -70,6 +70,12 @@ def test_a_preset_has_its_parameters_and_its_start(tops, preset):
     assert tops.write(moved).startswith(f"v=1&top={','.join(preset['parameters'])}&start=1,1,")
 
 
+def test_a_section_of_tops_has_many_orbits(tops):
+    state = tops.read("v=1&preset=charged&fan=20&orbits=0.5,-1")
+    assert (state["fan"], state["orbits"]) == (20, ((0.5, -1.0),))
+    assert tops.write(tops.changed(state, {"fan": 10})) == "v=1&preset=charged&fan=10&orbits=0.5,-1"
+
+
 def test_a_change_keeps_the_rest_and_another_orbit_begins_again(tops):
     state = tops.read(WHOLE_TOP)
     assert tops.changed(state, {"theme": "light"}) == {**state, "theme": "light"}
@@ -173,7 +179,7 @@ def test_words_and_limits_are_those_of_the_page():
         text = (WEB / file).read_text(encoding="utf-8")
         return tuple(re.findall(r'"(\w+)"', re.search(rf"export const {name} = \[([^\]]*)\]", text)[1]))
 
-    assert words("state/laboratory.ts", "THEMES") == states.THEMES
+    assert words("state/everyday.ts", "THEMES") == states.THEMES
     assert words("state/laboratory.ts", "FRAMES") == states.VIEWS_OF_TOPS
     assert words("systems/state.ts", "VIEWS") == states.VIEWS_OF_SYSTEMS
 
@@ -184,10 +190,10 @@ def test_words_and_limits_are_those_of_the_page():
 
     assert number("state/laboratory.ts", "HORIZON") == number("systems/state.ts", "UNITS") == states.HORIZON
     assert number("systems/state.ts", "MOST_SERIES") == states.MOST_SERIES
-    assert number("systems/state.ts", "MOST_ADDED") == states.MOST_ADDED
-    fans = re.search(r"FANS = \[(\d+), .*?(\d+)\]", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
+    assert number("state/everyday.ts", "MOST_ADDED") == states.MOST_ADDED
+    fans = re.search(r"FANS = \[(\d+), .*?(\d+)\]", (WEB / "state/everyday.ts").read_text(encoding="utf-8"))
     assert tuple(map(int, fans.groups())) == states.FANS
-    assert tuple(number("state/laboratory.ts", name) for name in ("SLOWEST", "FASTEST")) == states.SPEEDS
+    assert tuple(number("state/everyday.ts", name) for name in ("SLOWEST", "FASTEST")) == states.SPEEDS
     vectors = re.search(r"own % 3 === 0 && own <= (\d+)", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
     assert int(vectors[1]) == states.MOST_IN_VECTORS
     assert number("notebook/protocol.ts", "LONGEST_MESSAGE") == states.LONGEST_MESSAGE

@@ -1,6 +1,7 @@
 /** What the worker has found of the present orbit. */
 
 import { N_ELLIPSOID, WIDTH } from "./data/tops";
+import type { Levels } from "./panels/levels";
 import type { Update } from "./worker/messages";
 
 interface Chunk {
@@ -130,6 +131,8 @@ export class Results {
   /** Whether the worker has said which invariants there are. */
   opened = false;
   finished = false;
+  /** The energy around the orbit, of a system of two components. */
+  levels: Levels | null = null;
   /** How a saved result and what this page computes differ. */
   compared: Extract<Update, { say: "compared" }> | null = null;
 
@@ -157,6 +160,9 @@ export class Results {
         break;
       case "ended":
         if (update.what !== "shadow") this.ended = { outcome: update.outcome, time: update.time };
+        break;
+      case "levels":
+        this.levels = update.levels;
         break;
       case "compared":
         this.compared = update;

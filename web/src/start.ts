@@ -1,5 +1,6 @@
 /** The page of tops; where the page carries a system, that of this system; where one is typed, that; in a window or in a notebook. */
 
+import "./state/pristine";
 import { isInNotebook, opened } from "./notebook/notebook";
 import { place, standIn } from "./state/place";
 import { CARRIED } from "./systems/description";
@@ -21,7 +22,7 @@ async function start(): Promise<void> {
   else if (isTyped(location.hash)) await typed();
   else {
     addEventListener("hashchange", () => isTyped(location.hash) && location.reload());
-    await import("./main");
+    await new (await import("./tops/page")).TopPage().begin();
   }
 }
 

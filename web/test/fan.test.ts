@@ -7,6 +7,7 @@ import { begun, changed } from "../src/systems/state";
 import { BRACKETS, draftOf } from "../src/systems/typing/draft";
 import { made, type Made } from "../src/systems/typing/made";
 import { read, written } from "../src/systems/url";
+import { projected } from "../src/worker/projection";
 
 let core: Core;
 beforeAll(async () => {
@@ -53,6 +54,20 @@ describe.each(["henon-heiles", "heavy-top", "twisted-kovalevskaya"])("the fan of
     expect(filled(of).orbits.map(({ crossings }) => [...crossings])).toEqual(orbits.map(({ crossings }) => [...crossings]));
     functions.free();
   });
+});
+
+test.each([["henon-heiles", { H: 0.1 }], ["heavy-top", { H: 1, C1: 1.5 }]] as const)("a start of %s is moved to other values, and keeps the rest", (key, wanted) => {
+  const system = example(key);
+  const start = begun(system).start.map(({ value }) => value);
+  const functions = core.functions(system.invariants!.functions);
+  const { names } = system.invariants!;
+  const before = Object.fromEntries(Array.from(functions.values(start), (value, k) => [names[k], value]));
+  const all: Record<string, number> = { ...before, ...wanted };
+  const { state, residuals } = projected(core, { system, start, surface: 0, direction: 1, tol: 1e-13, horizon: 100, saved: null }, all);
+  expect(Object.keys(residuals)).toEqual(names);
+  functions.values(state).forEach((value, k) => expect(Math.abs(value - all[names[k]])).toBeLessThan(1e-13));
+  expect(Object.values(wanted)).not.toContain(before.H);
+  functions.free();
 });
 
 test("an orbit goes through a point that is added; one that no orbit reaches is said", () => {

@@ -1,7 +1,7 @@
 // Drives the built page in Chromium: node test/page.mjs.  Prints what is wrong and exits with 1.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { chromium } from "playwright-core";
@@ -31,6 +31,14 @@ async function violations(tab) {
   await tab.evaluate(axe);
   const { violations: found } = await tab.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
   return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ target, any }) => `${target} ${any[0]?.message ?? ""}`).join("; ")}`);
+}
+/** What a choice in the menu of a panel saves. */
+async function savedOf(tab, panel, choice) {
+  const waiting = tab.waitForEvent("download");
+  await tab.locator(`#${panel} .menu summary`).click();
+  await tab.locator(`#${panel} .menu button`, { hasText: choice }).click();
+  const download = await waiting;
+  return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
 }
 const tourOf = (...steps) => ({ tour: 1, title: "a tour", about: "of a test", steps });
 const PRESETS = ["lagrange", "twisted-lagrange", "kovalevskaya", "twisted-kovalevskaya", "charged", "sticky", "collinear", "two-field"];
@@ -200,16 +208,128 @@ const checks = {
       await tab.close();
     }
   },
+  async "a section of tops is filled by many orbits, seen in part, and saved"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=kovalevskaya&theme=light");
+    await ready(tab);
+    await tab.getByLabel("Orbits in the section").selectOption("10");
+    await tab.waitForFunction(() => window.laboratory.fan().finished && window.laboratory.fan().orbits.length === 10, null, { timeout: 60_000 });
+    // energy and Casimirs of all orbits are those of the start
+    const spread = await tab.evaluate(() => {
+      const { start, parameters } = window.laboratory.state();
+      const [l, alpha] = [0, 3].map((k) => start.slice(k, k + 3).map((one) => one.value));
+      const [inertia, a] = [0, 3].map((k) => parameters.slice(k, k + 3).map((one) => one.value));
+      const values = (state) => {
+        const [L, A, B] = [0, 3, 6].map((k) => state.slice(k, k + 3));
+        const dot = (one, other) => one.reduce((sum, x, k) => sum + x * other[k], 0);
+        return [dot(L, L.map((x, k) => x / inertia[k])) / 2 + dot(A, a), dot(B, B), dot(A, B)];
+      };
+      const wanted = values([...l, ...alpha, ...start.slice(6).map((one) => one.value)]);
+      return window.laboratory.fan().orbits.flatMap(({ crossings }) => values([...crossings.slice(-9)]).map((value, k) => Math.abs(value - wanted[k])));
+    });
+    assert.ok(Math.max(...spread) < 1e-10, `${Math.max(...spread)}`);
+    assert.match(await tab.evaluate(() => new Promise((done) => setTimeout(() => done(location.hash), 600))), /&fan=10&/);
+    const range = () => tab.evaluate(() => window.laboratory.sectionRange());
+    const whole = await range();
+    const canvas = tab.locator("#section canvas").last();
+    const box = await canvas.boundingBox();
+    await tab.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
+    await tab.mouse.wheel(0, -600);
+    await tab.waitForFunction((low) => window.laboratory.sectionRange()[0] > low, whole[0]);
+    const part = await range();
+    assert.ok(part[1] - part[0] < 0.6 * (whole[1] - whole[0]) && part[1] < whole[1], `${part} of ${whole}`);
+    await tab.mouse.down();
+    await tab.mouse.move(box.x + 0.5 * box.width + 40, box.y + 0.5 * box.height, { steps: 4 });
+    await tab.mouse.up();
+    // what is dragged to the right shows what is on the left
+    await tab.waitForFunction((low) => window.laboratory.sectionRange()[0] < low, part[0]);
+    assert.deepEqual((await state(tab)).added, [], "a drag adds no orbit");
+    const table = (await savedOf(tab, "section", "CSV")).bytes.toString().trimEnd().split("\n").filter((line) => !line.startsWith("#"));
+    assert.equal(table[0].split(",").slice(0, 4).join(), "orbit,verdict,exponent,l1");
+    assert.equal(table.length - 1, await tab.evaluate(() => window.laboratory.fan().orbits.reduce((sum, { count }) => sum + count, 0)));
+    const svg = (await savedOf(tab, "section", "SVG")).bytes.toString();
+    assert.match(svg, /<title>Poincaré section: .*\d+ regular, \d+ chaotic, \d+ undecided<\/title>/);
+    await canvas.focus();
+    const isWhole = (wanted) => String(window.laboratory.sectionRange()) === String(wanted);
+    await tab.keyboard.press("0");
+    await tab.waitForFunction(isWhole, whole);
+    await tab.keyboard.press("+");
+    await tab.waitForFunction((low) => window.laboratory.sectionRange()[0] > low, whole[0]);
+    await tab.locator("#section .whole").click();
+    await tab.waitForFunction(isWhole, whole);
+    assert.deepEqual(await violations(tab), []);
+    assert.deepEqual(wrong, []);
+    await tab.close();
+  },
+  async "a pendulum that is typed moves on its level curves, and a click starts another orbit; both are saved"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#own=1");
+    await tab.locator("#hamiltonian").waitFor();
+    await tab.getByLabel("bracket", { exact: true }).selectOption("canonical");
+    await tab.getByLabel("coordinates", { exact: true }).fill("q");
+    await tab.getByLabel("angles", { exact: true }).fill("q");
+    await tab.locator("#hamiltonian").fill("p_q^2/2 - w*cos(q)");
+    await tab.waitForFunction(() => window.typed.rests() && window.laboratory.results().levels, null, { timeout: 30_000 });
+    const { ranges, size, off } = await tab.evaluate(() => {
+      const { ranges, size, values } = window.laboratory.results().levels;
+      const at = (k, i) => ranges[k][0] + ((ranges[k][1] - ranges[k][0]) * i) / (size - 1);
+      const off = [...values].map((value, k) => Math.abs(value - (at(1, Math.floor(k / size)) ** 2 / 2 - Math.cos(at(0, k % size)))));
+      return { ranges, size, off: Math.max(...off) };
+    });
+    assert.deepEqual(ranges[0], [-Math.PI, Math.PI]);
+    assert.equal(size, 161);
+    assert.ok(off < 1e-14 && ranges[1][1] > 2 && ranges[1][1] < 4, `${off}, ${ranges[1]}`);
+    await tab.waitForFunction(() => document.querySelector("#portrait > p").textContent === "level curves of H");
+    const svg = (await savedOf(tab, "portrait", "SVG")).bytes.toString();
+    assert.match(svg, /<desc>[^<]*p_q\^2\/2 - w\*cos\(q\)/);
+    assert.ok((svg.match(/M[-\d.]+ [-\d.]+L/g) ?? []).length > 1000, "curves");
+    const canvas = tab.locator("#portrait canvas").last();
+    const { width, height } = await canvas.boundingBox();
+    await canvas.click({ position: { x: 0.5 * width, y: 0.3 * height } });
+    const start = (await state(tab)).start.map((one) => one.value);
+    assert.ok(Math.abs(start[0]) < 0.5 && start[1] > 0, `${start}`);
+    assert.match((await savedOf(tab, "section", "CSV")).bytes.toString(), /\n# start: q = .*\n# method: Taylor, tol = 1e-15\n# address: #own=1&/);
+    assert.deepEqual(wrong, []);
+    await tab.close();
+  },
+  async "a state is handed on by its address, its code, a line and a file"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=sticky&theme=light");
+    await ready(tab);
+    await tab.locator("#share").click();
+    const dialog = tab.locator("#sharing");
+    assert.match(await dialog.innerText(), /on your machine/);
+    assert.deepEqual(await violations(tab), []);
+    const [url, line] = await dialog.locator("textarea").evaluateAll((all) => all.map((one) => one.value));
+    assert.match(url, /^file:.*index\.html#v=1&preset=sticky&/);
+    assert.match(line, /^<iframe src="file:[^"]*index\.html\?embed=1#v=1&amp;preset=sticky&amp;[^"]*" title="Sticky orbit, /);
+    const waiting = tab.waitForEvent("download");
+    await dialog.getByText("Save this page as one file").click();
+    const file = `${await (await waiting).path()}.html`;
+    writeFileSync(file, readFileSync(file.slice(0, -5)));
+    await tab.close();
+    const alone = await browser.newPage();
+    alone.on("pageerror", (error) => wrong.push(error.message));
+    alone.on("console", (message) => message.type() === "error" && wrong.push(message.text()));
+    await alone.goto(`file://${file}?still=0&quality=low`);
+    await ready(alone);
+    assert.equal((await state(alone)).preset, "sticky");
+    await alone.close();
+    // a frame in a page of somebody else
+    const outer = await browser.newPage({ viewport: { width: 800, height: 460 } });
+    outer.on("pageerror", (error) => wrong.push(error.message));
+    const page = `${file}.outer.html`;
+    writeFileSync(page, line);
+    await outer.goto(`file://${page}`);
+    await outer.frameLocator("iframe").locator("#section canvas").last().waitFor();
+    const frame = outer.frames()[1];
+    await frame.waitForFunction(() => window.laboratory?.results().crossings.length > 20, null, { timeout: 60_000 });
+    assert.equal(await frame.evaluate(() => window.laboratory.state().preset), "sticky");
+    assert.equal(await frame.locator("header").evaluate((one) => one.getBoundingClientRect().height) <= 1, true);
+    assert.deepEqual(wrong, []);
+    await outer.close();
+  },
   async "pictures and tables are saved"() {
     const { tab, wrong } = await opened("?still=600&quality=low#v=1&preset=charged&theme=light");
     await ready(tab);
-    const saved = async (panel, choice) => {
-      const waiting = tab.waitForEvent("download");
-      await tab.locator(`#${panel} .menu summary`).click();
-      await tab.locator(`#${panel} .menu button`, { hasText: choice }).click();
-      const download = await waiting;
-      return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
-    };
+    const saved = (panel, choice) => savedOf(tab, panel, choice);
     const rows = { section: "crossings", lyapunov: "exponent", drift: "drift" };
     for (const panel of ["section", "portrait", "lyapunov", "drift"]) {
       const svg = (await saved(panel, "SVG")).bytes.toString();

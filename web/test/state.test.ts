@@ -1,12 +1,17 @@
 import { readFileSync } from "node:fs";
+import decodeQR from "qr/decode.js";
 import { describe, expect, test } from "vitest";
 import { components, presets } from "../src/data/tops";
-import { asPython } from "../src/export/python";
+import { asPython, facts } from "../src/tops/export";
 import { SvgContext } from "../src/export/svg";
 import { csv } from "../src/export/table";
+import { curveOf, type Levels } from "../src/panels/levels";
+import { codeOf, frameLine, pageWith } from "../src/panels/share";
 import { exact, NotANumber, shortest } from "../src/state/exact";
-import { begun, changed, Refused, sameRun, type Laboratory } from "../src/state/laboratory";
+import { Refused } from "../src/state/everyday";
+import { begun, changed, sameRun, type Laboratory } from "../src/state/laboratory";
 import { read, written } from "../src/state/url";
+import { packed, unpacked } from "../src/worker/packed";
 import { exponentTimes } from "../src/worker/times";
 
 describe("exact numbers", () => {
@@ -108,12 +113,75 @@ describe("the lines of Python", () => {
   });
 });
 
+describe("bytes as text", () => {
+  test("come back, whatever their number", () => {
+    for (const count of [0, 1, 2, 3, 4, 5, 63, 64, 1000]) {
+      for (const fill of [(k: number) => (k * 167 + 13) % 256, () => 255, () => 0]) {
+        const bytes = Uint8Array.from({ length: count }, (_, k) => fill(k));
+        expect([...unpacked(packed(bytes))]).toEqual([...bytes]);
+      }
+    }
+  });
+  test("mean nothing in a script or in a page", () => expect(packed(Uint8Array.from({ length: 4000 }, (_, k) => (k * k) % 251))).not.toMatch(/["'`\\<>&$/\s]/));
+});
+
+describe("level curves", () => {
+  const grid = (size: number, f: (x: number, y: number) => number): Levels => {
+    const at = (k: number) => -2 + (4 * k) / (size - 1);
+    return { ranges: [[-2, 2], [-2, 2]], size, values: Float64Array.from({ length: size * size }, (_, k) => f(at(k % size), at(Math.floor(k / size)))) };
+  };
+  test("lie where the function has the level, all around", () => {
+    const ends = curveOf(grid(81, (x, y) => x * x / 4 + y * y), 0.5);
+    const off = ends.flatMap((x, k) => (k % 2 ? [] : [Math.abs(x * x / 4 + ends[k + 1] ** 2 - 0.5)]));
+    // a chord is off by the second derivative times the square of the step over eight
+    expect(Math.max(...off)).toBeLessThan((2 * 0.05 ** 2) / 8);
+    const angles = ends.flatMap((x, k) => (k % 2 ? [] : [Math.atan2(2 * ends[k + 1], x)])).sort((a, b) => a - b);
+    expect(Math.max(...angles.map((angle, k) => angle - (angles[k - 1] ?? -Math.PI)))).toBeLessThan(0.1);
+  });
+  test("pass a saddle on the side of its level", () => {
+    const saddle = grid(2, (x, y) => x * y);
+    // above the saddle the curve goes around the corners where x and y have one sign
+    for (const [level, sign] of [[0.1, 1], [-0.1, -1]]) {
+      const ends = curveOf(saddle, level);
+      expect(ends).toHaveLength(8);
+      for (const k of [0, 4]) expect(Math.sign((ends[k] + ends[k + 2]) * (ends[k + 1] + ends[k + 3]))).toBe(sign);
+    }
+  });
+  test("leave out where there is no number", () => expect(curveOf(grid(9, () => NaN), 0)).toEqual([]));
+});
+
+describe("what is handed on", () => {
+  const page = `<html><body><p>one</p><script>"</body>"</script></body></html>`;
+  test("a page as one file opens with the state, however often it is saved", () => {
+    const once = pageWith(page, "v=1&name=</script><b>");
+    expect(once).toContain('<script type="text/plain" id="address">v=1&name=%3C/script>%3Cb></script>\n</body></html>');
+    expect(pageWith(once.replace("<!doctype html>\n", ""), "v=2").match(/id="address"/g)).toHaveLength(1);
+  });
+  test("a line for another page is no markup but its own", () => {
+    expect(frameLine('https://a.b/?embed=1#v=1&x="<b>', '"><script>')).toMatch(/^<iframe src="https:\/\/a\.b\/\?embed=1#v=1&amp;x=&quot;&lt;b>" title="&quot;>&lt;script>" width="100%" /);
+  });
+  test("the code of an address is read back", () => {
+    const text = "https://example.org/laboratory/#v=1&own=1&bracket=canonical&H=p_x^2/2";
+    const { size, path } = codeOf(text)!;
+    const pixels = new Uint8Array((4 * size) ** 2 * 4).fill(255);
+    for (const [, x, y] of path.matchAll(/M(\d+) (\d+)/g)) {
+      for (let i = 0; i < 16; i++) pixels.fill(0, 4 * ((4 * Number(y) + (i >> 2)) * 4 * size + 4 * Number(x) + (i & 3)), 4 * ((4 * Number(y) + (i >> 2)) * 4 * size + 4 * Number(x) + (i & 3)) + 3);
+    }
+    expect(decodeQR({ width: 4 * size, height: 4 * size, data: pixels })).toBe(text);
+    expect(codeOf("x".repeat(3000))).toBeNull();
+  });
+});
+
 describe("tables and pictures", () => {
   test("a table says what it is of, and leaves out what is not known", () => {
-    const text = csv(begun("charged"), { what: "of a test", columns: ["t", "x"], rows: [[1, 2.5], [2, NaN]] });
+    const text = csv(facts(begun("charged")), { what: "of a test", columns: ["t", "x"], rows: [[1, 2.5], [2, NaN]] });
     expect(text).toMatch(/^# of a test\n# liepoisson \d/);
     expect(text).toContain("I2 = 3/2");
     expect(text.endsWith("\nt,x\n1,2.5\n2,\n")).toBe(true);
+  });
+  test("names and words of a table may hold any character", () => {
+    const text = csv(["system: one\ntwo"], { what: "w", columns: ["a,b", 'say "x"'], rows: [["chaotic", 1]] });
+    expect(text).toBe('# w\n# system: one\n# two\n"a,b","say ""x"""\nchaotic,1\n');
   });
   test("text in a picture is never markup", () => {
     const context = new SvgContext({} as CanvasRenderingContext2D);

@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { beforeAll, describe, expect, test } from "vitest";
 import { Core } from "../src/core/core.js";
 import { exact, shortest } from "../src/state/exact";
-import { Refused } from "../src/state/laboratory";
+import { Refused } from "../src/state/everyday";
 import { compared, comparison, inWords } from "../src/systems/comparison";
 import { described, Malformed, MOST_COMPONENTS, surfaceNames, type Saved, type SystemDescription } from "../src/systems/description";
 import { pictured } from "../src/systems/flat";

@@ -5,7 +5,7 @@ import { presets } from "../src/data/tops";
 import { checkSteps, LONGEST, tourOf } from "../src/data/tour";
 import { tours } from "../src/data/tours";
 import { ticks } from "../src/panels/plot";
-import { Refused } from "../src/state/laboratory";
+import { Refused } from "../src/state/everyday";
 import { read } from "../src/state/url";
 
 const STEP = { title: "a", words: "b", at: "scene", state: "v=1&preset=lagrange" };

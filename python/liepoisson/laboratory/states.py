@@ -39,8 +39,8 @@ FANS, MOST_ADDED = (10, 40), 40
 MOST_IN_VECTORS = 27
 LONGEST_MESSAGE = 1000
 HORIZON = 1e4
-"""As the page has them (`state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the last in its units of
-time."""
+"""As the page has them (`state/everyday.ts`, `state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the
+last in its units of time."""
 
 
 _LONGEST = 16_000
@@ -167,6 +167,8 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         "axes": several("axes", 2, 2),
         "tol": _within("tol", *TOLERANCES),
         "view": _one_of("view", page.views),
+        "fan": _fan,
+        "orbits": _points,
         "theme": _one_of("theme", THEMES),
         "time": _within("time", 0, page.horizon),
         "speed": _within("speed", *SPEEDS),
@@ -175,8 +177,6 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         of_systems: dict[str, Callable[[Any], Any]] = {
             "projection": several("projection", 2, 3),
             "series": several("series", 0, MOST_SERIES),
-            "fan": _fan,
-            "orbits": _points,
         }
         return shared | of_systems
     return of_tops | shared | {"shadow": _yes_or_no}
@@ -323,15 +323,14 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "t": _same("time", _number, shortest),
         "speed": _same("speed", _number, shortest),
     }
+    section_of_many = {"fan": _same("fan", int, str), "orbits": _same("orbits", _pairs, _in_a_row)}
     if page.system:
         own = {
             "view": _same("view"),
             "space": several("projection", 3),
             "series": several("series"),
-            "fan": _same("fan", int, str),
-            "orbits": _same("orbits", _pairs, _in_a_row),
         }
-        return shared | own | {"tol": _same("tol", _number, shortest)}
+        return shared | own | section_of_many | {"tol": _same("tol", _number, shortest)}
     parameters = _same(
         "parameters",
         lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)),
@@ -341,6 +340,7 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
         "preset": (_preset, lambda state: state.get("preset")),
         "top": parameters,
         **shared,
+        **section_of_many,
         "method": _same("tol", lambda text: _number(text.removeprefix("taylor,")), lambda v: f"taylor,{shortest(v)}"),
         "frame": _same("view"),
         "shadow": _same("shadow", lambda text: text == "1", lambda shown: str(int(shown))),

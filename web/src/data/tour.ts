@@ -1,6 +1,6 @@
 /** A tour: plain data that a teacher writes.  A text is read by the schema and never run; what it says is shown as text. */
 
-import { Refused } from "../state/laboratory";
+import { Refused } from "../state/everyday";
 import { mismatch, type Schema } from "./schema";
 import schema from "./tour.schema.json";
 

@@ -1,16 +1,15 @@
 /** Pictures and tables of charts. */
 
-import { attitude, components, position } from "../data/tops";
 import type { Key } from "../panels/drift";
 import { PAST } from "../panels/portrait";
 import type { Plot } from "../panels/plot";
 import type { Results } from "../results";
-import { HORIZON, type Laboratory } from "../state/laboratory";
+import type { Charted, Clock } from "../state/charted";
 import type { Palette } from "../style/palette";
 import { draw } from "../symbols";
 import { menu, save, savePicture } from "./menu";
 import { SvgContext } from "./svg";
-import { csv, facts, type Table } from "./table";
+import { csv, type Table } from "./table";
 
 /** Room for the title, and pixels of a picture for each of the page. */
 const TITLE = 26;
@@ -18,46 +17,62 @@ const FINE = 3;
 
 export interface Chart {
   readonly plot: Plot;
-  draw(lab: Laboratory, results: Results, palette: Palette): void;
+  draw(charted: Charted, results: Results, palette: Palette): void;
   keys?(results: Results, palette: Palette): Key[];
+  /** What a picture says beside what stands at the head of the panel. */
+  about?(): string;
 }
 
+/** What the page shows, and of what. */
 export interface Now {
-  readonly lab: Laboratory;
+  readonly charted: Charted;
   readonly results: Results;
   readonly palette: Palette;
+  readonly clock: Clock;
+  /** With which the name of a file begins. */
+  readonly file: string;
+  /** System, start and method, each as it was entered. */
+  readonly facts: readonly string[];
+  readonly components: readonly string[];
+  /** Of a row of the motion, and what these numbers are. */
+  readonly columns: readonly string[];
+  readonly row: string;
 }
 
 /** Puts the menu into the panel of a chart; `now` says what it shows. */
 export function exports(panel: HTMLElement, name: string, chart: Chart, table: (now: Now) => Table, now: () => Now): void {
-  const file = (kind: string) => `${now().lab.preset ?? "top"}-${name}.${kind}`;
-  const heading = panel.querySelector("h3")?.textContent ?? "";
-  const title = () => (chart.keys ? heading : `${heading}: ${words(panel.querySelector("p") as HTMLElement)}`);
+  const file = (kind: string) => `${now().file}-${name}.${kind}`;
+  const title = () => {
+    const heading = panel.querySelector("h3")?.textContent ?? "";
+    const about = chart.about?.();
+    const text = chart.keys ? heading : `${heading}: ${words(panel.querySelector("p") as HTMLElement, now().clock)}`;
+    return about ? `${text}: ${about}` : text;
+  };
   menu(panel, name, [
     ["picture, SVG", () => save(file("svg"), new Blob([svgOf(chart, title(), now())], { type: "image/svg+xml" }))],
     ["picture, PNG", () => savePicture(file("png"), pictureOf(chart, title(), now()))],
-    ["numbers, CSV", () => save(file("csv"), new Blob([csv(now().lab, table(now()))], { type: "text/csv" }))],
+    ["numbers, CSV", () => save(file("csv"), new Blob([csv(now().facts, table(now()))], { type: "text/csv" }))],
   ]);
 }
 
-export function svgOf(chart: Chart, title: string, { lab, results, palette }: Now): string {
+export function svgOf(chart: Chart, title: string, now: Now): string {
   const { width, height } = chart.plot;
   const context = new SvgContext(chart.plot.below);
-  chart.plot.onto(context as unknown as CanvasRenderingContext2D, () => chart.draw(lab, results, palette));
-  caption(context as unknown as CanvasRenderingContext2D, chart, title, { lab, results, palette });
-  return context.document(width, height + TITLE, palette.panel, title, facts(lab).join("\n"));
+  chart.plot.onto(context as unknown as CanvasRenderingContext2D, () => chart.draw(now.charted, now.results, now.palette));
+  caption(context as unknown as CanvasRenderingContext2D, chart, title, now);
+  return context.document(width, height + TITLE, now.palette.panel, title, now.facts.join("\n"));
 }
 
-export function pictureOf(chart: Chart, title: string, { lab, results, palette }: Now): HTMLCanvasElement {
+export function pictureOf(chart: Chart, title: string, now: Now): HTMLCanvasElement {
   const { width, height } = chart.plot;
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width * FINE, (height + TITLE) * FINE];
   const context = canvas.getContext("2d") as CanvasRenderingContext2D;
   context.scale(FINE, FINE);
-  context.fillStyle = palette.panel;
+  context.fillStyle = now.palette.panel;
   context.fillRect(0, 0, width, height + TITLE);
-  chart.plot.onto(withoutClearing(context), () => chart.draw(lab, results, palette));
-  caption(context, chart, title, { lab, results, palette });
+  chart.plot.onto(withoutClearing(context), () => chart.draw(now.charted, now.results, now.palette));
+  caption(context, chart, title, now);
   return canvas;
 }
 
@@ -83,12 +98,12 @@ function caption(context: CanvasRenderingContext2D, chart: Chart, title: string,
 }
 
 /** The text of a heading, with indices below the line. */
-function words(heading: HTMLElement): string {
+function words(heading: HTMLElement, { horizon }: Clock): string {
   const copy = heading.cloneNode(true) as HTMLElement;
-  copy.querySelectorAll("sub").forEach((sub) => sub.replaceWith([...(sub.textContent ?? "")].map((digit) => String.fromCharCode(0x2080 + Number(digit))).join("")));
+  copy.querySelectorAll("sub").forEach((sub) => sub.replaceWith([...(sub.textContent ?? "")].map((letter) => (/\d/.test(letter) ? String.fromCharCode(0x2080 + Number(letter)) : letter)).join("")));
   const scale = copy.querySelector(".scale");
   scale?.previousSibling?.remove();
-  return (copy.textContent ?? "") + (scale ? `, coloured by time from 0 to ${HORIZON.toLocaleString("en")}` : "");
+  return (copy.textContent ?? "") + (scale ? `, coloured by time from 0 to ${horizon.toLocaleString("en")}` : "");
 }
 
 /** Both canvases of a chart are this one, and the second must not wipe off the first. */
@@ -97,23 +112,17 @@ function withoutClearing(context: CanvasRenderingContext2D): CanvasRenderingCont
   return context;
 }
 
-const direction = (lab: Laboratory) => ["falling", "both directions", "rising"][lab.direction + 1];
-
 export const tables = {
-  section: ({ lab, results }: Now): Table => ({
-    what: `crossings of ${lab.surface} = 0, ${direction(lab)}, up to t = ${results.until}`,
+  section: ({ charted, results, components }: Now): Table => ({
+    what: `crossings of ${charted.surface} = 0${charted.modulus ? ` mod ${charted.modulus}` : ""}, ${["falling", "both directions", "rising"][charted.direction + 1]}, up to t = ${results.until}`,
     columns: ["t", ...components],
     rows: results.crossings.rows.map((row, k) => [results.crossings.times[k], ...row]),
   }),
-  portrait: ({ lab, results }: Now): Table => {
+  portrait: ({ charted, results, clock, columns, row }: Now): Table => {
     const rows: number[][] = [];
-    const columns = [...components, ...attitude, ...position];
-    results.top.visit(Math.max(0, lab.time - PAST), lab.time, (time, states, at) => rows.push([time, ...states.subarray(at, at + columns.length)]));
-    return {
-      what: `orbit in the last ${PAST} time units before t = ${lab.time}: state, attitude (quaternion from body to space), centre line of the rod`,
-      columns: ["t", ...columns],
-      rows,
-    };
+    const past = PAST * clock.unit;
+    results.top.visit(Math.max(0, charted.time - past), charted.time, (time, states, at) => rows.push([time, ...states.subarray(at, at + columns.length)]));
+    return { what: `orbit in the last ${past} time units before t = ${charted.time}: ${row}`, columns: ["t", ...columns], rows };
   },
   lyapunov: ({ results: { exponent, band, members } }: Now): Table => {
     const other = new Map(band.times.map((time, k) => [time, band.rows[k]]));

@@ -1,32 +1,21 @@
 /** What a chart shows, as comma-separated values: lines that begin with # say what it is of. */
 
-import { components, parameters, VERSION } from "../data/tops";
-import type { Laboratory } from "../state/laboratory";
-import { written } from "../state/url";
-
 export interface Table {
   /** What the rows are. */
   readonly what: string;
   readonly columns: readonly string[];
-  /** A number that is not known at a time is NaN, and left empty. */
-  readonly rows: readonly (readonly number[])[];
+  /** A number that is not known is NaN, and left empty. */
+  readonly rows: readonly (readonly (number | string)[])[];
 }
 
-/** System, start and method, each as it was entered. */
-export function facts(lab: Laboratory): string[] {
-  const list = (names: readonly string[], values: readonly { readonly text: string }[]) => names.map((name, k) => `${name} = ${values[k].text}`).join(", ");
-  return [
-    `liepoisson ${VERSION}, the laboratory; core in WebAssembly`,
-    `top: ${list(parameters, lab.parameters)}`,
-    `start: ${list(components, lab.start)}`,
-    `method: Taylor, tol = ${lab.method.tol.text}`,
-    "units: dimensionless; time in the top's own unit, exponents in its inverse",
-    `address: #${written(lab)}`,
-  ];
+/** `facts` are lines that say of what the table is. */
+export function csv(facts: readonly string[], { what, columns, rows }: Table): string {
+  const head = [what, ...facts].flatMap((text) => text.split(/\r?\n/)).map((line) => `# ${line}`);
+  return [...head, columns.map(cell).join(","), ...rows.map((row) => row.map(cell).join(",")), ""].join("\n");
 }
 
-export function csv(lab: Laboratory, { what, columns, rows }: Table): string {
-  const number = (value: number) => (Number.isNaN(value) ? "" : String(value));
-  const head = [what, ...facts(lab)].map((line) => `# ${line}`);
-  return [...head, columns.join(","), ...rows.map((row) => row.map(number).join(",")), ""].join("\n");
+/** A name may hold any character. */
+function cell(value: number | string): string {
+  if (typeof value === "number") return Number.isNaN(value) ? "" : String(value);
+  return /[",\r\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value;
 }

@@ -3,13 +3,15 @@
 import { components, families, parameters } from "../data/tops";
 import type { Results } from "../results";
 import { exact, shortest, type Exact } from "../state/exact";
-import { type Action, type Direction, type Frame, type Laboratory } from "../state/laboratory";
+import type { Direction } from "../state/everyday";
+import type { Action, Frame, Laboratory } from "../state/laboratory";
 import { element, plain } from "../symbols";
+import { Conserved } from "./conserved";
 
 type Do = (action: Action) => void;
 const VIEWS: readonly (readonly [Frame, string])[] = [["space", "body in space"], ["body", "from the body"], ["momentum", "energy ellipsoid"], ["rod", "elastic rod"]];
 /** The energy and the Casimirs of every top: the start can be moved to values of them. */
-const PROJECTED = families[0].names;
+export const PROJECTED = families[0].names;
 const TOLERANCES = ["1e-16", "1e-15", "1e-12", "1e-9", "1e-6"];
 
 /** Where a slider ends; an exact entry may go beyond. */
@@ -29,25 +31,19 @@ export class ControlsPanel {
   private readonly entries: Entry[] = [];
   private readonly sliders: { readonly names: readonly string[]; chosen: string; readonly input: HTMLInputElement; readonly label: HTMLElement }[] = [];
   private readonly terms: HTMLElement[];
-  private readonly invariants = document.createElement("dl");
+  private readonly invariants: Conserved;
   private readonly story = document.createElement("p");
   private readonly selects: Record<string, HTMLSelectElement> = {};
   private readonly shadow = document.createElement("input");
-  private values: HTMLElement[] = [];
-  private readonly reach = document.createElement("button");
-  /** Values of invariants that were entered, and that the start does not have yet. */
-  private wanted: Record<string, Exact> = {};
-  /** Entries that the user has written into. */
-  private readonly drafts = new Set<string>();
-  private named: readonly string[] = [];
-  private of: Results | null = null;
 
   constructor(
     private readonly panel: HTMLElement,
     private readonly act: Do,
     private readonly refuse: (message: string) => void,
-    private readonly startOn: (wanted: Readonly<Record<string, Exact>>) => void,
+    startOn: (wanted: Readonly<Record<string, Exact>>) => void,
   ) {
+    const text = (value: number) => (Math.abs(value) < 5e-13 ? 0 : value).toFixed(6).replace("-", "−");
+    this.invariants = new Conserved({ targets: PROJECTED, text, refuse, startOn });
     const equations = document.createElement("div");
     equations.className = "equations math";
     equations.append(...equationLines());
@@ -68,12 +64,9 @@ export class ControlsPanel {
     this.pair("across", "up", components.map((name) => [name, `→ ${plain(name)}`]), components.map((name) => [name, `↑ ${plain(name)}`]));
     this.labelled("tolerance", "tolerance", TOLERANCES.map((one) => [one, one]));
     this.labelled("frame", "view", VIEWS);
-    this.heading("Conserved, now").append(this.reach);
-    Object.assign(this.reach, { type: "button", hidden: true, textContent: "start there ⏎", title: "Move the start to the nearest state with these values (Enter)" });
-    this.reach.addEventListener("click", () => this.project());
-    this.invariants.id = "invariants";
+    this.heading("Conserved, now").append(this.invariants.reach);
     this.story.id = "story";
-    panel.append(this.invariants, this.story);
+    panel.append(this.invariants.list, this.story);
     this.listen();
   }
 
@@ -227,78 +220,7 @@ export class ControlsPanel {
 
   /** Shows the invariants at a time. */
   conserved(results: Results, time: number): void {
-    if (results !== this.of) {
-      this.of = results;
-      this.forget();
-    }
-    if (results.names.join() !== this.named.join()) {
-      this.named = results.names;
-      this.values = results.names.map((name) => (PROJECTED.includes(name) ? this.target(name) : document.createElement("dd")));
-      this.invariants.replaceChildren(
-        ...results.names.flatMap((name, k) => {
-          const term = document.createElement("dt");
-          term.append(element(name));
-          const value = this.values[k];
-          if (value.tagName === "DD") return [term, value];
-          const description = document.createElement("dd");
-          description.append(value);
-          return [term, description];
-        }),
-      );
-    }
-    results.top.values(time)?.forEach((value, k) => {
-      const text = (Math.abs(value) < 5e-13 ? 0 : value).toFixed(6).replace("-", "−");
-      const shown = this.values[k];
-      if (shown instanceof HTMLInputElement) {
-        if (!this.drafts.has(this.named[k]) && shown.value !== text) shown.value = text;
-      } else if (shown && shown.textContent !== text) shown.textContent = text;
-    });
-  }
-
-  /** An entry for the value that an invariant is to have. */
-  private target(name: string): HTMLInputElement {
-    const input = document.createElement("input");
-    Object.assign(input, { type: "text", autocomplete: "off", spellcheck: false, maxLength: 40 });
-    input.setAttribute("aria-label", `${plain(name)}, value that the start is to have`);
-    input.addEventListener("focus", () => input.select());
-    input.addEventListener("input", () => this.drafts.add(name));
-    input.addEventListener("change", () => this.read(name, input));
-    input.addEventListener("keydown", (event) => {
-      if (event.key === "Enter" && this.read(name, input)) this.project();
-      else if (event.key === "Escape") this.forget();
-    });
-    return input;
-  }
-
-  /** Whether what was written is a value. */
-  private read(name: string, input: HTMLInputElement): boolean {
-    if (!this.drafts.has(name)) return true;
-    try {
-      this.wanted[name] = exact(input.value);
-      input.removeAttribute("aria-invalid");
-    } catch (error) {
-      delete this.wanted[name];
-      input.setAttribute("aria-invalid", "true");
-      this.refuse(`${plain(name)}: ${(error as Error).message}`);
-    }
-    input.classList.toggle("chosen", name in this.wanted);
-    this.reach.hidden = Object.keys(this.wanted).length === 0;
-    return name in this.wanted;
-  }
-
-  private project(): void {
-    if (Object.keys(this.wanted).length) this.startOn(this.wanted);
-  }
-
-  /** The values that were entered are no longer wanted. */
-  forget(): void {
-    this.wanted = {};
-    this.drafts.clear();
-    this.reach.hidden = true;
-    for (const shown of this.values) {
-      shown.classList.remove("chosen");
-      shown.removeAttribute("aria-invalid");
-    }
+    this.invariants.show(results, time);
   }
 }
 

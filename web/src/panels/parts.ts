@@ -2,10 +2,11 @@
 
 import {
   CanvasTexture, CylinderGeometry, Mesh, Quaternion, RepeatWrapping, SphereGeometry, SRGBColorSpace, Vector3, type Group, type Material,
-  type MeshStandardMaterial, LineSegments,
+  type MeshStandardMaterial, LineSegments, type WebGLRenderer,
 } from "three";
 import { N } from "../data/tops";
 import type { Palette } from "../style/palette";
+import { draw } from "../symbols";
 
 const UP = new Vector3(0, 1, 0);
 const scratch = new Quaternion();
@@ -57,4 +58,29 @@ export function emptied(group: Group): void {
     material.dispose();
   });
   group.clear();
+}
+
+/** A view as it is, with the names that stand over it and a line of words; empty where nothing can be drawn. */
+export function pictureOfView(renderer: WebGLRenderer | null, holder: HTMLElement, names: readonly (readonly [label: HTMLElement, name: string])[], palette: Palette, title: string): HTMLCanvasElement {
+  const { width, height } = renderer?.domElement ?? { width: 1, height: 1 };
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { width, height });
+  const c = canvas.getContext("2d") as CanvasRenderingContext2D;
+  c.fillStyle = palette.panel;
+  c.fillRect(0, 0, width, height);
+  if (!renderer) return canvas;
+  c.drawImage(renderer.domElement, 0, 0);
+  const scale = width / holder.clientWidth;
+  c.scale(scale, scale);
+  const place = holder.getBoundingClientRect();
+  for (const [label, name] of names) {
+    if (label.hidden) continue;
+    const box = label.getBoundingClientRect();
+    c.fillStyle = getComputedStyle(label).color;
+    draw(c, name, box.left - place.left, box.bottom - place.top - 0.25 * box.height, parseFloat(getComputedStyle(label).fontSize));
+  }
+  c.fillStyle = palette.ink;
+  c.font = `14px "Inter Variable", sans-serif`;
+  c.fillText(title, 16, holder.clientHeight - 14);
+  return canvas;
 }

@@ -22,6 +22,8 @@ const BOTTOM = 38;
 const MARGIN = 0.08;
 /** Below the upper end of the axis, where its name stands in place of a number. */
 const NAME = 12;
+/** Pixels that a pointer may slip in a click. */
+const SLIP = 4;
 const NUMBERS = `12px "Inter Variable", sans-serif`;
 const POWERS = `11px "Inter Variable", sans-serif`;
 
@@ -33,8 +35,10 @@ export class Plot {
   height = 0;
   x: Axis = { range: [0, 1], name: "" };
   y: Axis = { range: [0, 1], name: "" };
-  /** Whether the size has changed since the last `measure`. */
+  /** Whether the size, or what is seen, has changed since the last `measure`. */
   private resized = true;
+  /** Of both axes what is seen, where somebody has chosen it; and for which names. */
+  private window: { readonly x: Range; readonly y: Range; readonly of: string } | null = null;
   private elsewhere = false;
 
   constructor(panel: HTMLElement, label: string) {
@@ -49,6 +53,98 @@ export class Plot {
     this.below = below.getContext("2d") as CanvasRenderingContext2D;
     this.above = above.getContext("2d") as CanvasRenderingContext2D;
     new ResizeObserver(() => (this.resized = true)).observe(holder);
+  }
+
+  /** Sets both axes; what somebody has chosen to see of them stays. */
+  fit(x: Axis, y: Axis): void {
+    const of = `${x.name}, ${y.name}`;
+    if (this.window && this.window.of !== of) this.see(null);
+    [this.x, this.y] = [{ ...x, range: this.window?.x ?? x.range }, { ...y, range: this.window?.y ?? y.range }];
+    this.named = of;
+  }
+
+  private named = "";
+
+  get isZoomed(): boolean {
+    return this.window !== null;
+  }
+
+  /** Shows a part of the plane; null shows all of it again. */
+  private see(window: { readonly x: Range; readonly y: Range } | null): void {
+    this.window = window && { ...window, of: this.named };
+    if (this.window) [this.x, this.y] = [{ ...this.x, range: this.window.x }, { ...this.y, range: this.window.y }];
+    this.whole.hidden = window === null;
+    this.canvas.classList.toggle("zoomed", window !== null);
+    this.resized = true;
+  }
+
+  /** Makes the plane larger by a factor around a place. */
+  private zoom(factor: number, px: number, py: number): void {
+    const at = this.point(px, py);
+    if (!at) return;
+    const around = ([low, high]: Range, middle: number): Range => [middle + (low - middle) / factor, middle + (high - middle) / factor];
+    const next = { x: around(this.x.range, at[0]), y: around(this.y.range, at[1]) };
+    // beyond this the numbers of the axes would be the same
+    const isFine = ([low, high]: Range) => high - low < 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+    if (isFine(next.x) || isFine(next.y)) return;
+    this.see(next);
+  }
+
+  private readonly whole = Object.assign(document.createElement("button"), { type: "button", className: "whole", textContent: "all", title: "See all of it again (0)", hidden: true });
+
+  /** Lets wheel, two fingers, keys and a dragged pointer choose what is seen. */
+  zoomable(): void {
+    const { canvas } = this;
+    canvas.after(this.whole);
+    this.whole.addEventListener("click", () => this.see(null));
+    canvas.addEventListener("wheel", (event) => {
+      // a page around this one must be able to move
+      if (document.documentElement.dataset.embed && !event.ctrlKey) return;
+      event.preventDefault();
+      this.zoom(1.0015 ** -event.deltaY, event.offsetX, event.offsetY);
+    }, { passive: false });
+    canvas.addEventListener("keydown", (event) => {
+      const factor = { "+": 1.5, "-": 1 / 1.5 }[event.key];
+      if (factor) this.zoom(factor, (LEFT + this.width - RIGHT) / 2, (TOP + this.height - BOTTOM) / 2);
+      else if (event.key === "0") this.see(null);
+      else return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+    });
+    this.fingers();
+  }
+
+  /** One pointer moves what is seen of a part of the plane, two change its size; a click after that is none. */
+  private fingers(): void {
+    const { canvas } = this;
+    const down = new Map<number, readonly [number, number]>();
+    let moved = false;
+    const spread = () => {
+      const [one, other] = [...down.values()];
+      return Math.hypot(one[0] - other[0], one[1] - other[1]);
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      if (down.size === 0) moved = false;
+      down.set(event.pointerId, [event.offsetX, event.offsetY]);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const before = down.get(event.pointerId);
+      if (!before) return;
+      const [dx, dy] = [event.offsetX - before[0], event.offsetY - before[1]];
+      if (!moved && Math.hypot(dx, dy) < SLIP) return;
+      moved = true;
+      const old = down.size === 2 ? spread() : 0;
+      down.set(event.pointerId, [event.offsetX, event.offsetY]);
+      if (down.size === 2) this.zoom(Math.max(spread(), 1) / Math.max(old, 1), event.offsetX, event.offsetY);
+      else if (this.window) {
+        const [from, to] = [this.point(before[0], before[1]), this.point(event.offsetX, event.offsetY)];
+        if (!from || !to) return;
+        const by = ([low, high]: Range, k: 0 | 1): Range => [low + from[k] - to[k], high + from[k] - to[k]];
+        this.see({ x: by(this.x.range, 0), y: by(this.y.range, 1) });
+      }
+    });
+    for (const end of ["pointerup", "pointercancel", "pointerleave"] as const) canvas.addEventListener(end, (event) => down.delete(event.pointerId));
+    canvas.addEventListener("click", (event) => moved && event.stopImmediatePropagation());
   }
 
   /** Has everything drawn onto something else, of the same size. */

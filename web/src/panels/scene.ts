@@ -15,9 +15,9 @@ import { RoomEnvironment } from "three/examples/jsm/environments/RoomEnvironment
 import type { Results } from "../results";
 import type { Laboratory } from "../state/laboratory";
 import type { Palette } from "../style/palette";
-import { draw, element } from "../symbols";
+import { element } from "../symbols";
 import { MomentumView } from "./momentum";
-import { ball, emptied, quaternionOf, rod, stripes } from "./parts";
+import { ball, emptied, pictureOfView, quaternionOf, rod, stripes } from "./parts";
 import { Ribbon } from "./ribbon";
 import { RodView } from "./rod";
 
@@ -179,27 +179,8 @@ export class ScenePanel {
 
   /** The view as it is, with the names of what is in it. */
   picture(palette: Palette, title: string): HTMLCanvasElement {
-    const { width, height } = this.works ? this.renderer.domElement : { width: 1, height: 1 };
-    const canvas = document.createElement("canvas");
-    Object.assign(canvas, { width, height });
-    const c = canvas.getContext("2d") as CanvasRenderingContext2D;
-    c.fillStyle = palette.panel;
-    c.fillRect(0, 0, width, height);
-    if (!this.works) return canvas;
-    c.drawImage(this.renderer.domElement, 0, 0);
-    const scale = width / this.holder.clientWidth;
-    c.scale(scale, scale);
-    const place = this.holder.getBoundingClientRect();
-    for (const [label, name] of [...this.labels.map((one, k) => [one, VECTORS[k].name] as const), ...this.axisNames.map((one, k) => [one, `l${k + 1}`] as const)]) {
-      if (label.hidden) continue;
-      const box = label.getBoundingClientRect();
-      c.fillStyle = getComputedStyle(label).color;
-      draw(c, name, box.left - place.left, box.bottom - place.top - 0.25 * box.height, parseFloat(getComputedStyle(label).fontSize));
-    }
-    c.fillStyle = palette.ink;
-    c.font = `14px "Inter Variable", sans-serif`;
-    c.fillText(title, 16, this.holder.clientHeight - 14);
-    return canvas;
+    const names = [...this.labels.map((one, k) => [one, VECTORS[k].name] as const), ...this.axisNames.map((one, k) => [one, `l${k + 1}`] as const)];
+    return pictureOfView(this.works ? this.renderer : null, this.holder, names, palette, title);
   }
 
   /** For tests: how far the body reaches, and how long the vectors are. */

@@ -25,6 +25,7 @@ export class SectionPanel {
 
   constructor(panel: HTMLElement, private readonly start: (state: Float64Array) => void, private readonly said: (text: string) => void, private readonly coordinates: Coordinates = COORDINATES_OF_TOPS, private readonly clock: Clock = OF_TOPS) {
     this.plot = new Plot(panel, "Poincaré section");
+    this.plot.zoomable();
     this.head = panel.querySelector("p") as HTMLElement;
     this.remark = remarkIn(panel);
     const { canvas } = this.plot;
@@ -55,24 +56,26 @@ export class SectionPanel {
     this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
     if (results !== this.results) this.chosen = null; // a crossing of another orbit
-    const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
+    const outside = !plot.isZoomed && rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
     // axes that were drawn before there was a crossing are of nothing
     const isFirst = this.fitted === 0 && rows.length > 0;
     if (plot.measure() || results !== this.results || key !== this.shown || outside || isFirst) {
       this.fitted = rows.length;
       [this.results, this.shown, this.drawn] = [results, key, 0];
-      for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
+      const [x, y] = this.columns.map((column) => {
         const turn = turns[column];
         const values = rows.map((row) => within(row[column], turn));
         const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))], turn) : ([-1, 1] as const);
-        plot[axis] = { range, name: components[column], turn };
-      }
+        return { range, name: components[column], turn };
+      });
+      plot.fit(x, y);
       plot.axes(palette);
     }
     if (this.drawn < rows.length || rows.length === 0) this.heading(lab, sign, rows.length, palette);
     const size = rows.length > 3000 ? 1.5 : 1.9;
     for (; this.drawn < rows.length; this.drawn++) {
       const [x, y] = this.place(rows[this.drawn]);
+      if (plot.isZoomed && !plot.holds(x, y)) continue;
       plot.below.fillStyle = timeColour(times[this.drawn] / this.clock.horizon, palette.dark);
       plot.below.beginPath();
       plot.below.arc(x, y, size, 0, 7);
@@ -82,7 +85,7 @@ export class SectionPanel {
     setText(this.remark, lab.remark ?? none);
     plot.clearAbove();
     const last = results.crossings.before(lab.time);
-    if (last >= 0) ring(plot.above, this.place(rows[last]), palette.l, 6);
+    if (last >= 0 && plot.holds(...this.place(rows[last]))) ring(plot.above, this.place(rows[last]), palette.l, 6);
     if (this.chosen !== null && rows[this.chosen]) this.hover(rows[this.chosen], times[this.chosen], palette);
   }
 

@@ -5,7 +5,7 @@
 
 import { addressOf, checkSteps, LONGEST, tourOf, type Tour } from "../data/tour";
 import { tours } from "../data/tours";
-import { Refused } from "../state/laboratory";
+import { Refused } from "../state/everyday";
 import { place } from "../state/place";
 
 /** What a tour does with the page in which it runs. */

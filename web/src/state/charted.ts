@@ -1,7 +1,8 @@
 /** What charts need of a state, whatever moves. */
 
 import { components } from "../data/tops";
-import { HORIZON, type Direction } from "./laboratory";
+import type { Direction } from "./everyday";
+import { HORIZON } from "./laboratory";
 import type { Turn } from "./turn";
 
 export interface Charted {

@@ -30,7 +30,8 @@ export function exact(written: string): Exact {
   return { text, value };
 }
 
-function valueOf(text: string): number | null {
+/** The double that a text says; null where it is no number. */
+export function valueOf(text: string): number | null {
   if (DECIMAL.test(text)) return Number(text);
   const parts = FRACTION.exec(text);
   if (!parts) return null;

@@ -2,13 +2,11 @@
 
 import { components, parameters, presetOf, presets } from "../data/tops";
 import { plain } from "../symbols";
+import { everyday, Refused, type Direction, type Everyday, type EverydayAction } from "./everyday";
 import { exact, type Exact } from "./exact";
 
-export const THEMES = ["auto", "light", "dark", "projector"] as const;
-export type Theme = (typeof THEMES)[number];
 export const FRAMES = ["space", "body", "momentum", "rod"] as const;
 export type Frame = (typeof FRAMES)[number];
-export type Direction = -1 | 0 | 1;
 
 /** The Taylor method, by its tolerance for each step. */
 export interface Method {
@@ -21,42 +19,28 @@ export interface View {
   readonly shadow: boolean;
 }
 
-export interface Laboratory {
+export interface Laboratory extends Everyday {
   readonly preset: string | null;
   readonly parameters: readonly Exact[];
-  readonly start: readonly Exact[];
   readonly surface: string;
   readonly direction: Direction;
   readonly axes: readonly [string, string];
   readonly method: Method;
   readonly view: View;
-  readonly theme: Theme;
-  readonly time: number;
-  readonly speed: number;
-  readonly playing: boolean;
 }
 
 export type Action =
+  | EverydayAction
   | { readonly do: "preset"; readonly key: string }
   | { readonly do: "parameter"; readonly index: number; readonly to: Exact }
   | { readonly do: "start"; readonly index: number; readonly to: Exact }
-  | { readonly do: "start at"; readonly state: readonly Exact[] }
   | { readonly do: "surface"; readonly surface: string; readonly direction: Direction }
   | { readonly do: "axes"; readonly axes: readonly [string, string] }
   | { readonly do: "method"; readonly method: Method }
-  | { readonly do: "view"; readonly view: Partial<View> }
-  | { readonly do: "theme"; readonly theme: Theme }
-  | { readonly do: "time"; readonly time: number }
-  | { readonly do: "speed"; readonly speed: number }
-  | { readonly do: "play"; readonly playing: boolean };
+  | { readonly do: "view"; readonly view: Partial<View> };
 
 /** How far the page computes, in time units. */
 export const HORIZON = 1e4;
-export const SLOWEST = 1 / 16;
-export const FASTEST = 16;
-
-/** A state that cannot be: which part of it, and why. */
-export class Refused extends Error {}
 
 const TAYLOR: Method = { kind: "taylor", tol: exact("1e-15") };
 
@@ -73,6 +57,8 @@ export function begun(key: string): Laboratory {
     axes: [preset.axes[0], preset.axes[1]],
     method: TAYLOR,
     view: { frame: "space", shadow: true },
+    fan: 0,
+    added: [],
     theme: "auto",
     time: 0,
     speed: 1,
@@ -84,8 +70,8 @@ export function begun(key: string): Laboratory {
 export function changed(lab: Laboratory, action: Action): Laboratory {
   switch (action.do) {
     case "preset": {
-      const { view, theme, method, speed, playing } = lab;
-      return { ...begun(action.key), view, theme, method, speed, playing };
+      const { view, fan, theme, method, speed, playing } = lab;
+      return { ...begun(action.key), view, fan, theme, method, speed, playing };
     }
     case "parameter":
       checkParameter(action.index, action.to);
@@ -95,21 +81,15 @@ export function changed(lab: Laboratory, action: Action): Laboratory {
     case "start at":
       return { ...lab, preset: null, start: [...action.state], time: 0 };
     case "surface":
-      return { ...lab, surface: component(action.surface), direction: action.direction };
+      return { ...lab, surface: component(action.surface), direction: action.direction, added: [] };
     case "axes":
-      return { ...lab, axes: [component(action.axes[0]), component(action.axes[1])] };
+      return { ...lab, axes: [component(action.axes[0]), component(action.axes[1])], added: [] };
     case "method":
       return { ...lab, method: checkedMethod(action.method) };
     case "view":
       return { ...lab, view: { ...lab.view, ...action.view } };
-    case "theme":
-      return { ...lab, theme: action.theme };
-    case "time":
-      return { ...lab, time: Math.min(Math.max(action.time, 0), HORIZON) };
-    case "speed":
-      return { ...lab, speed: Math.min(Math.max(action.speed, SLOWEST), FASTEST) };
-    case "play":
-      return { ...lab, playing: action.playing };
+    default:
+      return everyday(lab, action, HORIZON);
   }
 }
 

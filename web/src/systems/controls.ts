@@ -1,10 +1,11 @@
 /** Controls of a system: exact entries of the start, what is seen, section, axes and tolerance. */
 
+import { Conserved } from "../panels/conserved";
 import type { Results } from "../results";
 import { exact, type Exact } from "../state/exact";
-import type { Direction } from "../state/laboratory";
+import type { Direction } from "../state/everyday";
 import { element, plain } from "../symbols";
-import { withoutTime, type SystemDescription } from "./description";
+import { targetsOf, withoutTime, type SystemDescription } from "./description";
 import { aboutEnergy } from "./time";
 import { vectorNames } from "./vectors";
 import type { SystemAction, SystemState, View } from "./state";
@@ -19,13 +20,18 @@ export class SystemControls {
   private readonly selects: Record<string, HTMLSelectElement> = {};
   private readonly parts: Record<"projection" | "series", HTMLElement>;
   private readonly chips: HTMLButtonElement[];
-  private readonly invariants = document.createElement("dl");
+  private readonly invariants: Conserved;
   private readonly saved = document.createElement("p");
   private readonly story = document.createElement("p");
-  private values: HTMLElement[] = [];
-  private named: readonly string[] | null = null;
 
-  constructor(private readonly panel: HTMLElement, private readonly system: SystemDescription, private readonly act: Do, private readonly refuse: (message: string) => void) {
+  constructor(
+    private readonly panel: HTMLElement,
+    private readonly system: SystemDescription,
+    private readonly act: Do,
+    private readonly refuse: (message: string) => void,
+    startOn: (wanted: Readonly<Record<string, Exact>>) => void,
+  ) {
+    this.invariants = new Conserved({ targets: targetsOf(system), text: numberText, refuse, startOn });
     const { components } = system;
     const numbered = components.map((name, k): [string, string] => [String(k), plain(name)]);
     this.heading("Start");
@@ -52,9 +58,8 @@ export class SystemControls {
     tolerance.className = "row labelled";
     tolerance.append("tolerance", this.select("tolerance", TOLERANCES.map((one) => [one, one])));
     panel.append(tolerance);
-    if (system.invariants) this.heading("Conserved, now");
-    this.invariants.id = "invariants";
-    panel.append(this.invariants);
+    if (system.invariants) this.heading("Conserved, now").append(this.invariants.reach);
+    panel.append(this.invariants.list);
     const energy = aboutEnergy(system);
     if (energy) panel.append(Object.assign(document.createElement("p"), { className: "note", textContent: energy }));
     if (system.saved) this.heading("Saved result");
@@ -66,8 +71,10 @@ export class SystemControls {
     this.listen();
   }
 
-  private heading(text: string): void {
-    this.panel.append(headed(text));
+  private heading(text: string): HTMLElement {
+    const heading = headed(text);
+    this.panel.append(heading);
+    return heading;
   }
 
   private group(title: string): HTMLElement {
@@ -190,21 +197,7 @@ export class SystemControls {
 
   /** Shows the invariants at a time. */
   conserved(results: Results, time: number): void {
-    if (results.names !== this.named) {
-      this.named = results.names;
-      this.values = results.names.map(() => document.createElement("dd"));
-      this.invariants.replaceChildren(
-        ...results.names.flatMap((name, k) => {
-          const term = document.createElement("dt");
-          term.append(element(name));
-          return [term, this.values[k]];
-        }),
-      );
-    }
-    results.top.values(time)?.forEach((value, k) => {
-      const text = numberText(value);
-      if (this.values[k] && this.values[k].textContent !== text) this.values[k].textContent = text;
-    });
+    this.invariants.show(results, time);
   }
 }
 

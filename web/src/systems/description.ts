@@ -191,6 +191,11 @@ export function withoutTime({ components, clock }: SystemDescription): readonly 
   return clock === null ? components : components.slice(0, clock);
 }
 
+/** What is conserved of a system, and to whose values a start can be moved; none, where time is one of the components. */
+export function targetsOf({ clock, invariants }: SystemDescription): readonly string[] {
+  return clock === null ? (invariants?.names ?? []) : [];
+}
+
 function record(value: unknown, what: string): Plain {
   if (typeof value !== "object" || value === null || Array.isArray(value)) throw new Malformed(`${what} is no object`);
   return value as Plain;

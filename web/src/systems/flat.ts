@@ -44,7 +44,7 @@ export function seriesColours(palette: Palette): readonly string[] {
 
 /** The canvas of the views in the plane. */
 export class FlatView {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private readonly holder = document.createElement("div");
   private readonly image = document.createElement("canvas");
   private key = "";

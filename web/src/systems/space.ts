@@ -6,7 +6,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Ribbon } from "../panels/ribbon";
-import { emptied } from "../panels/parts";
+import { emptied, pictureOfView } from "../panels/parts";
 import { arrow, floorOf, point } from "../panels/scene";
 import type { Results } from "../results";
 import type { Clock } from "../state/charted";
@@ -39,7 +39,7 @@ export class SpaceView {
   private readonly trails: Ribbon[];
   private readonly path = new Ribbon(PATH_POINTS, 3);
   private readonly tip = new Mesh(new SphereGeometry(0.055, 24, 16), new MeshStandardMaterial({ roughness: 0.35 }));
-  private labels: HTMLElement[] = [];
+  private labels: (readonly [label: HTMLElement, name: string])[] = [];
   private labelled = "";
   private built = "";
   private height = 0;
@@ -127,6 +127,11 @@ export class SpaceView {
     this.renderer.render(this.scene, this.camera);
     this.place(space !== null);
     this.dirty = false;
+  }
+
+  /** The view as it is, with the names of what is in it. */
+  picture(palette: Palette, title: string): HTMLCanvasElement {
+    return pictureOfView(this.works ? this.renderer : null, this.holder, this.labels, palette, title);
   }
 
   private resize(): void {
@@ -227,20 +232,20 @@ export class SpaceView {
     const key = `${names.join("\n")} ${colours.join()}`;
     if (key === this.labelled) return;
     this.labelled = key;
-    for (const label of this.labels) label.remove();
+    for (const [label] of this.labels) label.remove();
     this.labels = names.map((name, k) => {
       const label = element(name);
       label.classList.add("label");
       label.setAttribute("aria-hidden", "true");
       label.style.color = colours[k % colours.length];
-      return label;
+      return [label, name] as const;
     });
-    this.holder.append(...this.labels);
+    this.holder.append(...this.labels.map(([label]) => label));
   }
 
   private place(isPath: boolean): void {
     const { clientWidth: width } = this.holder;
-    this.labels.forEach((label, k) => {
+    this.labels.forEach(([label], k) => {
       const end: Vector3 | undefined = isPath ? this.box.userData.ends?.[k] : this.arrows[k]?.userData.tip;
       label.hidden = !end || (!isPath && end.length() < 0.05);
       if (!end) return;

@@ -1,7 +1,7 @@
 /** The state of the page of a system: one value, never changed in place, from which everything that is seen follows. */
 
 import { exact, shortest, type Exact } from "../state/exact";
-import { FASTEST, Refused, SLOWEST, type Direction, type Theme } from "../state/laboratory";
+import { checkedFan, everyday, FANS, Refused, type Direction, type Everyday, type EverydayAction } from "../state/everyday";
 import { inUnits, type Clock } from "../state/charted";
 import { within as withinTurn, type Turn } from "../state/turn";
 import { withoutFan } from "./fan/computation";
@@ -10,8 +10,7 @@ import { surfaceNames, withoutTime, type SystemDescription } from "./description
 export const VIEWS = ["vectors", "picture", "projection", "series"] as const;
 export type View = (typeof VIEWS)[number];
 
-export interface SystemState {
-  readonly start: readonly Exact[];
+export interface SystemState extends Everyday {
   readonly surface: number;
   readonly direction: Direction;
   /** Components of section and portrait. */
@@ -21,37 +20,19 @@ export interface SystemState {
   readonly space: readonly [number, number, number | null];
   /** Components drawn over time, in order. */
   readonly series: readonly number[];
-  /** Orbits that fill the section; 0 where it has that of the motion alone. */
-  readonly fan: number;
-  /** Points of the section through which others go. */
-  readonly added: readonly (readonly [number, number])[];
   readonly tol: Exact;
-  readonly theme: Theme;
-  readonly time: number;
-  readonly speed: number;
-  readonly playing: boolean;
 }
 
 export type SystemAction =
+  | EverydayAction
   | { readonly do: "start"; readonly index: number; readonly to: Exact }
-  | { readonly do: "start at"; readonly state: readonly Exact[] }
   | { readonly do: "surface"; readonly surface: number; readonly direction: Direction }
   | { readonly do: "axes"; readonly axes: readonly [number, number] }
   | { readonly do: "view"; readonly view: View }
   | { readonly do: "space"; readonly space: readonly [number, number, number | null] }
   | { readonly do: "series"; readonly component: number; readonly shown: boolean }
-  | { readonly do: "fan"; readonly count: number }
-  | { readonly do: "orbits"; readonly added: readonly (readonly [number, number])[] }
-  | { readonly do: "tol"; readonly tol: Exact }
-  | { readonly do: "theme"; readonly theme: Theme }
-  | { readonly do: "time"; readonly time: number }
-  | { readonly do: "speed"; readonly speed: number }
-  | { readonly do: "play"; readonly playing: boolean };
+  | { readonly do: "tol"; readonly tol: Exact };
 
-/** Numbers of orbits that fill a section. */
-export const FANS = [10, 20, 40] as const;
-/** Orbits that are added by clicks. */
-const MOST_ADDED = 40;
 /** Curves that can be told apart. */
 export const MOST_SERIES = 8;
 /** How far the page computes, in units of time. */
@@ -122,19 +103,11 @@ export function changed(system: SystemDescription, state: SystemState, action: S
       return { ...state, series: action.shown ? [...rest, action.component].sort((a, b) => a - b) : rest };
     }
     case "fan":
-      return { ...state, fan: checkedFan(system, action.count) };
-    case "orbits":
-      return { ...state, added: checkedOrbits(action.added) };
+      return { ...state, fan: fanOf(system, action.count) };
     case "tol":
       return { ...state, tol: checkedTolerance(action.tol) };
-    case "theme":
-      return { ...state, theme: action.theme };
-    case "time":
-      return { ...state, time: Math.min(Math.max(action.time, 0), clockOf(system).horizon) };
-    case "speed":
-      return { ...state, speed: Math.min(Math.max(action.speed, SLOWEST), FASTEST) };
-    case "play":
-      return { ...state, playing: action.playing };
+    default:
+      return everyday(state, action, clockOf(system).horizon);
   }
 }
 
@@ -158,15 +131,10 @@ export function within(index: number, count: number, what: string): number {
   return index;
 }
 
-export function checkedFan(system: SystemDescription, count: number): number {
-  const [least, most] = [FANS[0], FANS[FANS.length - 1]];
-  if (count !== 0 && !(Number.isInteger(count) && count >= least && count <= most)) throw new Refused(`a fan has ${least} to ${most} orbits, or 0; got ${count}`);
-  return withoutFan(system) === null ? count : 0;
-}
-
-export function checkedOrbits(added: SystemState["added"]): SystemState["added"] {
-  if (added.length > MOST_ADDED) throw new Refused(`at most ${MOST_ADDED} orbits are added to a fan; remove some`);
-  return added;
+/** So many orbits, or none where a system has no fan. */
+export function fanOf(system: SystemDescription, count: number): number {
+  const checked = checkedFan(count);
+  return withoutFan(system) === null ? checked : 0;
 }
 
 export function checkedTolerance(tol: Exact): Exact {

@@ -1,14 +1,14 @@
 /** The page's side of the worker: starts it with the core, gives it jobs, and hands on the updates of the newest. */
 
-import packed from "virtual:core";
+import core from "virtual:core";
 import type { FromWorker, Job, SystemJob, ToWorker, Update } from "./messages";
+import { unpacked } from "./packed";
 import type { Projected } from "./projection";
 import Worker from "./worker?worker&inline";
 
 /** The core, unpacked. */
 export async function program(): Promise<ArrayBuffer> {
-  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const stream = new Blob([unpacked(core)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Response(stream).arrayBuffer();
 }
 
@@ -44,7 +44,7 @@ export class Client {
   }
 
   /** The state near the start of a job at which invariants have values, and how far each is from its own. */
-  project(job: Job, wanted: Readonly<Record<string, number>>): Promise<Projected> {
+  project(job: Job | SystemJob, wanted: Readonly<Record<string, number>>): Promise<Projected> {
     return new Promise((answer, fail) => {
       const number = this.questions.push({ answer, fail }) - 1;
       this.say({ say: "project", number, job, wanted });

@@ -13,7 +13,7 @@ import type { Core, Field, Functions, Method } from "../core/core.js";
 import { comparison } from "../systems/comparison";
 import type { Job, SystemJob, Update } from "./messages";
 import { modelOf, type Model } from "./model";
-import { within, type Turn } from "../state/turn";
+import { Extent, within, type Turn } from "../state/turn";
 import { interval } from "./times";
 
 /** Between checkpoints, once the time is beyond it; this and the other times are in the unit of the model. */
@@ -27,6 +27,10 @@ const SHADOW = 1e-3;
 const MEMBERS = 24;
 /** The exponents of an ensemble are followed to this part of the horizon. */
 const BAND_HORIZON = 0.2;
+/** Points of the grid of level curves in each direction. */
+const GRID = 161;
+/** How often a range is doubled at most: of energies that do not grow. */
+const WIDENED = 8;
 /** At most so many time units times members in one call. */
 const AT_ONCE = 200;
 
@@ -95,7 +99,7 @@ export class Computation {
       this.opened = true;
       return { say: "invariants", names: this.names, values: [...this.first], family: this.family };
     }
-    return this.motion() ?? this.compare() ?? this.pass() ?? this.growth() ?? this.ensemble() ?? this.end();
+    return this.motion() ?? this.levels() ?? this.compare() ?? this.pass() ?? this.growth() ?? this.ensemble() ?? this.end();
   }
 
   private end(): Update | null {
@@ -107,6 +111,47 @@ export class Computation {
   private hold<T extends { free(): void }>(one: T): T {
     this.held.push(one);
     return one;
+  }
+
+  private readonly extents = [new Extent(), new Extent()];
+  private surveyed = false;
+
+  /** The energy of a system of two components, of which all orbits are level curves, over twice what its orbit covers. */
+  private levels(): Update | null {
+    const { nComponents, turns, width } = this.model;
+    if (this.surveyed || nComponents !== 2 || width !== 2 || !this.invariants) return null;
+    this.surveyed = true;
+    const ranges = this.extents.map(({ range }, k): [number, number] => {
+      const turn = turns[k];
+      if (turn || !range) return turn ? [...turn] : [-1, 1];
+      const [middle, half] = [(range[0] + range[1]) / 2, (range[1] - range[0]) / 2 || Math.abs(range[0]) / 2 || 1];
+      return [middle - 2 * half, middle + 2 * half];
+    });
+    this.widen(ranges);
+    const at = (k: number, index: number) => ranges[k][0] + ((ranges[k][1] - ranges[k][0]) * index) / (GRID - 1);
+    const points = Float64Array.from({ length: 2 * GRID * GRID }, (_, k) => (k % 2 ? at(1, Math.floor(k / 2 / GRID)) : at(0, (k / 2) % GRID)));
+    const [all, several] = [this.valuesAt(points), this.names.length];
+    return { say: "levels", levels: { ranges, size: GRID, values: Float64Array.from({ length: GRID * GRID }, (_, k) => all[k * several]) } };
+  }
+
+  /**
+   * Widens the range of what goes with an angle until orbits go all around at both of its ends: there the least energy is
+   * above the largest one in the middle, so that what divides the two kinds of orbits lies between.
+   */
+  private widen(ranges: [number, number][]): void {
+    const angle = this.model.turns.findIndex((turn) => turn);
+    if (angle < 0 || this.model.turns[1 - angle]) return;
+    const [other, several] = [ranges[1 - angle], this.names.length];
+    const energies = (value: number) => {
+      const points = Float64Array.from({ length: 2 * GRID }, (_, k) => (k % 2 === angle ? ranges[angle][0] + ((ranges[angle][1] - ranges[angle][0]) * (k >> 1)) / (GRID - 1) : value));
+      return this.valuesAt(points).filter((_, k) => k % several === 0);
+    };
+    const middle = (other[0] + other[1]) / 2;
+    const top = Math.max(...energies(middle));
+    for (let doubled = 0; doubled < WIDENED && other.some((end) => !(Math.min(...energies(end)) > top)); doubled++) {
+      const half = other[1] - other[0];
+      [other[0], other[1]] = [middle - half, middle + half];
+    }
   }
 
   /** A saved result, computed again. */
@@ -153,6 +198,7 @@ export class Computation {
       one.stopped = true;
       return { say: "ended", what: which === 0 ? "motion" : "shadow", outcome: outcome[0], time: endTime[0] };
     }
+    if (which === 0 && !this.surveyed && this.model.nComponents === 2) this.extents.forEach((extent, k) => states.forEach((value, at) => at % this.model.width === k && extent.add(value, this.model.turns[k] ?? null)));
     const [values, axes] = [this.invariants, this.ellipsoid].map((functions) => (which === 0 ? this.valuesAt(states, this.model.width, functions) : new Float64Array()));
     return { say: "motion", shadow: which === 1, times, states: this.withTurns(states, turned, this.model.width), values, ellipsoid: axes };
   }

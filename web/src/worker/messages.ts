@@ -1,5 +1,6 @@
 /** What page and worker say to each other.  Arrays are flat and row-major. */
 
+import type { Levels } from "../panels/levels";
 import type { Saved, SystemDescription } from "../systems/description";
 import type { FanJob, FanUpdate } from "../systems/fan/computation";
 import type { Made, NotMade, Question } from "../systems/typing/made";
@@ -37,7 +38,7 @@ export type ToWorker =
   /** The motion is wanted up to here. */
   | { readonly say: "until"; readonly generation: number; readonly time: number }
   /** The state near the start of a job at which invariants have these values is wanted. */
-  | { readonly say: "project"; readonly number: number; readonly job: Job; readonly wanted: Readonly<Record<string, number>> }
+  | { readonly say: "project"; readonly number: number; readonly job: Job | SystemJob; readonly wanted: Readonly<Record<string, number>> }
   /** The system that somebody has typed is wanted. */
   | { readonly say: "typed"; readonly number: number; readonly question: Question }
   /** The fan of a job is wanted, or none any more. */
@@ -58,6 +59,8 @@ export type Update =
   | { readonly say: "exponent"; readonly times: Float64Array; readonly values: Float64Array }
   /** Deciles 1, 5 and 9 of an ensemble (time, 3). */
   | { readonly say: "band"; readonly members: number; readonly times: Float64Array; readonly values: Float64Array }
+  /** The energy of a system of two components, around its orbit. */
+  | { readonly say: "levels"; readonly levels: Levels }
   /** Largest difference of a saved result, where it is, up to which time it is small, and how many numbers were compared. */
   | { readonly say: "compared"; readonly largest: number; readonly at: number; readonly component: string; readonly until: number; readonly count: number; readonly words: string }
   | { readonly say: "ended"; readonly what: string; readonly outcome: string; readonly time: number }

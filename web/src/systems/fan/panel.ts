@@ -6,13 +6,14 @@
 import type { Results } from "../../results";
 import { padded, type Plot } from "../../panels/plot";
 import { remarkIn, setText } from "../../panels/remark";
+import { FANS, type EverydayAction } from "../../state/everyday";
 import { shortest } from "../../state/exact";
 import type { Charted } from "../../state/charted";
 import { within } from "../../state/turn";
 import type { Palette } from "../../style/palette";
 import { element, plain } from "../../symbols";
+import type { Table } from "../../export/table";
 import type { SystemDescription } from "../description";
-import { FANS, type SystemAction, type SystemState } from "../state";
 import { FanClient } from "./client";
 import { withoutFan, type FanJob, type FanUpdate, type Verdict } from "./computation";
 
@@ -26,10 +27,9 @@ interface Orbit {
 }
 
 interface Does {
-  readonly act: (action: SystemAction) => void;
+  readonly act: (action: EverydayAction) => void;
   readonly start: (state: ArrayLike<number>, words?: string) => void;
   readonly say: (text: string) => void;
-  readonly tell: (message: string) => void;
 }
 
 /** Milliseconds for which a slider rests before a fan is computed. */
@@ -46,8 +46,7 @@ export class FanSection {
   private readonly client: FanClient;
   private orbits: Orbit[] = [];
   private about = { ...NOTHING };
-  private state: SystemState | null = null;
-  private system: SystemDescription;
+  private wanted: FanJob | null = null;
   private job = "";
   private timer = 0;
   private finished = false;
@@ -69,8 +68,7 @@ export class FanSection {
   private began = 0;
   private took = 0;
 
-  constructor(private readonly panel: HTMLElement, private readonly plot: Plot, system: SystemDescription, private readonly does: Does) {
-    this.system = system;
+  constructor(private readonly panel: HTMLElement, private readonly plot: Plot, private system: SystemDescription, private readonly does: Does) {
     this.client = new FanClient((update) => this.take(update), (message) => this.refuse(message));
     this.head = panel.querySelector("p") as HTMLElement;
     this.remark = remarkIn(panel);
@@ -108,7 +106,7 @@ export class FanSection {
 
   /** Whether the section is that of many orbits. */
   get isShown(): boolean {
-    return (this.state?.fan ?? 0) > 0;
+    return (this.wanted?.count ?? 0) > 0;
   }
 
   /** What there is, for whoever tests the page. */
@@ -125,15 +123,14 @@ export class FanSection {
     this.client.free();
   }
 
-  /** The fan of a state is wanted, once it rests. */
-  want(system: SystemDescription, state: SystemState): void {
-    this.system = system;
-    this.state = state;
-    const { surface, direction, axes, tol, fan, added } = state;
-    const job: FanJob | null = fan ? { system, start: state.start.map((one) => one.value), surface, direction, axes, tol: tol.value, count: fan, added } : null;
+  /** The fan of a job is wanted, once the state rests; none, where it has no orbits. */
+  want(wanted: FanJob): void {
+    this.system = wanted.system;
+    this.wanted = wanted;
+    const job = wanted.count ? wanted : null;
     const key = JSON.stringify(job);
     this.dirty = true;
-    this.options(fan);
+    this.options(wanted.count);
     if (key === this.job) return;
     const isFirst = this.job === "";
     this.job = key;
@@ -182,7 +179,7 @@ export class FanSection {
   private take(update: FanUpdate): void {
     if (update.say === "starts") {
       this.empty();
-      Object.assign(this.about, { guesses: update.guesses, failed: update.failed, last: update.missed.includes((this.state?.added.length ?? 0) - 1) });
+      Object.assign(this.about, { guesses: update.guesses, failed: update.failed, last: update.missed.includes((this.wanted?.added.length ?? 0) - 1) });
       if (this.about.last) this.does.say("no orbit of this energy goes through the point");
     } else if (update.say === "orbit") {
       this.orbits[update.index] = { ...update, verdict: null, exponent: Number.NaN, indicators: [] };
@@ -201,7 +198,8 @@ export class FanSection {
     this.dirty = true;
   }
 
-  private summary(): string {
+  /** The orbits and their verdicts in words. */
+  summary(): string {
     return VERDICTS.map((verdict) => `${this.number(verdict)} ${verdict}`).join(", ");
   }
 
@@ -217,7 +215,8 @@ export class FanSection {
     if (plot.measure() || this.dirty || key !== this.shown) {
       this.shown = key;
       this.dirty = false;
-      for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) plot[axis] = { range: this.range(column), name: components[column], turn: turns[column] };
+      const [x, y] = this.columns.map((column) => ({ range: this.range(column), name: components[column], turn: turns[column] }));
+      plot.fit(x, y);
       plot.axes(palette);
       const colours = verdictColours();
       plot.below.save();
@@ -252,10 +251,12 @@ export class FanSection {
     if (last < 0 || this.old) return;
     const row = results.crossings.rows[last];
     const { above } = this.plot;
+    const [x, y] = [this.plot.px(row[this.columns[0]]), this.plot.py(row[this.columns[1]])];
+    if (!this.plot.holds(x, y)) return;
     above.strokeStyle = palette.ink;
     above.lineWidth = 2;
     above.beginPath();
-    above.arc(this.plot.px(row[this.columns[0]]), this.plot.py(row[this.columns[1]]), 6, 0, 7);
+    above.arc(x, y, 6, 0, 7);
     above.stroke();
     above.lineWidth = 1;
   }
@@ -331,7 +332,7 @@ export class FanSection {
     const { guesses, failed, left, last } = about;
     const parts = [];
     if (chosen !== null && orbits[chosen]) parts.push(this.said(chosen));
-    else if (!finished) parts.push(orbits.some(({ verdict }) => verdict) || orbits.length >= (this.state?.fan ?? 0) ? "Deciding …" : "Filling the section …");
+    else if (!finished) parts.push(orbits.some(({ verdict }) => verdict) || orbits.length >= (this.wanted?.count ?? 0) ? "Deciding …" : "Filling the section …");
     else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
       parts.push("A click adds an orbit.");
@@ -343,6 +344,17 @@ export class FanSection {
     this.status.textContent = text;
     // it has two lines, so that the section keeps its size
     this.status.title = text;
+  }
+
+  /** Crossings of all orbits. */
+  table(): Table {
+    const { components } = this.system;
+    const n = components.length;
+    const rows = this.orbits.flatMap(({ crossings, verdict, exponent }, k) =>
+      Array.from({ length: crossings.length / n }, (_, i) => [k + 1, verdict ?? "", verdict ? exponent : Number.NaN, ...crossings.subarray(i * n, (i + 1) * n)]),
+    );
+    const decided = this.about.end ? `, verdicts by the rule of liepoisson.decide at t = ${this.about.end}, exponents up to there` : "";
+    return { what: `crossings of ${this.orbits.length} orbits with the energy and the Casimirs of the start${decided}`, columns: ["orbit", "verdict", "exponent", ...components], rows };
   }
 
   private said(index: number): string {
@@ -376,7 +388,7 @@ export class FanSection {
       return row;
     });
     const focused = [...this.list.querySelectorAll("button.orbit")].indexOf(document.activeElement as HTMLButtonElement);
-    this.list.replaceChildren(note, ...(this.state?.added.length ? [this.remove] : []), ...rows);
+    this.list.replaceChildren(note, ...(this.wanted?.added.length ? [this.remove] : []), ...rows);
     if (focused >= 0) rows[focused]?.focus();
   }
 
@@ -401,9 +413,9 @@ export class FanSection {
 
   private add(x: number, y: number): void {
     const point = this.plot.point(x, y);
-    if (!point || !this.state) return;
+    if (!point || !this.wanted) return;
     const [one, other] = point.map((value) => Number(value.toPrecision(DIGITS)));
-    this.does.act({ do: "orbits", added: [...this.state.added, [one, other]] });
+    this.does.act({ do: "orbits", added: [...this.wanted.added, [one, other]] });
     this.does.say("an orbit is added through this point");
   }
 

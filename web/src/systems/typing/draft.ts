@@ -1,7 +1,7 @@
 /** What somebody has typed: texts, right or wrong, from which a system is made, and which the address keeps. */
 
 import { exact, type Exact } from "../../state/exact";
-import { Refused } from "../../state/laboratory";
+import { Refused } from "../../state/everyday";
 import data from "../../data/systems.json";
 
 /** A parameter: the text of a number, or those of a vector. */

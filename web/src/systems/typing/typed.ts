@@ -4,7 +4,8 @@ import { exact } from "../../state/exact";
 import { place } from "../../state/place";
 import { save } from "../../export/menu";
 import { Client, program } from "../../worker/client";
-import { SystemPage, tell } from "../page";
+import { notStarted, tell } from "../../page";
+import { SystemPage } from "../page";
 import { begun, type SystemState } from "../state";
 import { read, written } from "../url";
 import { Compiler } from "./compiler";
@@ -37,8 +38,6 @@ export class TypedPage {
     this.good = this.draft;
     const file = button("System file", "Save as a file that the Python package reads", () => this.save());
     this.editor = new Editor(this.draft, (draft) => this.change(draft), [file]);
-    const python = document.getElementById("python") as HTMLElement;
-    python.addEventListener("click", () => void this.python());
     addEventListener("pagehide", () => {
       if (isTyped(location.hash)) history.replaceState(null, "", `#${this.address()}`);
     });
@@ -50,7 +49,7 @@ export class TypedPage {
       this.client = await Client.start((update) => this.page?.take(update), (message) => this.page?.refuse(message));
       this.page?.follow(this.client);
     } catch (error) {
-      tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
+      notStarted(error as Error);
     }
   }
 
@@ -123,7 +122,7 @@ export class TypedPage {
     if (this.page) document.querySelector("main")?.replaceWith(panels);
     else this.template = this.empty.cloneNode(true) as HTMLElement;
     panels.querySelector("#controls")?.append(this.editor.element);
-    this.page = new SystemPage(system, () => this.address());
+    this.page = new SystemPage(system, { address: () => this.address(), lines: () => this.lines(), facts: () => this.file().trim().split("\n") });
     this.page.open(state ?? { ...begun(system), theme, playing, speed });
     if (this.client) this.page.follow(this.client);
     if (focused && this.editor.element.contains(focused)) focused.focus();
@@ -142,18 +141,6 @@ export class TypedPage {
 
   private save(): void {
     if (this.made) save("system.toml", new Blob([this.file()], { type: "application/toml" }));
-  }
-
-  private async python(): Promise<void> {
-    const lines = this.lines();
-    try {
-      await navigator.clipboard.writeText(lines);
-      tell("The lines of Python that compute this orbit are copied.");
-    } catch {
-      const dialog = document.getElementById("lines") as HTMLDialogElement;
-      (dialog.querySelector("textarea") as HTMLTextAreaElement).value = lines;
-      dialog.showModal();
-    }
   }
 
   /** Whether all that was typed has been read. */

@@ -1,8 +1,10 @@
-/** The lines of Python that compute the orbit, the section and the exponent of a state of the laboratory. */
+/** What is written of a state: the head of a table, and the lines of Python that compute orbit, section and exponent. */
 
-import { exponentTimes } from "../worker/times";
+import { components, parameters, VERSION } from "../data/tops";
 import { HORIZON, type Laboratory } from "../state/laboratory";
 import type { Exact } from "../state/exact";
+import { written } from "../state/url";
+import { exponentTimes } from "../worker/times";
 
 /** Without zeros in front, which Python does not read. */
 const bare = (text: string) => text.replace(/^\+/, "").replace(/(^-?|\/)0+(?=\d)/g, "$1");
@@ -37,4 +39,17 @@ print({name: values[0, 0] for name, values in orbit.invariants.items()})
 print(len(section.time), "crossings; the first at t =", section.time[:3])
 print("exponent", growth.exponent[0, -1], "at t =", growth.time[-1])
 `;
+}
+
+/** System, start and method, each as it was entered. */
+export function facts(lab: Laboratory): string[] {
+  const list = (names: readonly string[], values: readonly { readonly text: string }[]) => names.map((name, k) => `${name} = ${values[k].text}`).join(", ");
+  return [
+    `liepoisson ${VERSION}, the laboratory; core in WebAssembly`,
+    `top: ${list(parameters, lab.parameters)}`,
+    `start: ${list(components, lab.start)}`,
+    `method: Taylor, tol = ${lab.method.tol.text}`,
+    "units: dimensionless; time in the top's own unit, exponents in its inverse",
+    `address: #${written(lab)}`,
+  ];
 }
