@@ -117,10 +117,10 @@ export class SystemPage {
     return this.state;
   }
 
-  /** Another system with the same components; `start` where its orbit does not begin where that of the last one did. */
-  replace(system: SystemDescription, start: readonly Exact[] | null): void {
+  /** Another system with the same components, in a state of its own or in that of the last one, perhaps with another start. */
+  replace(system: SystemDescription, start: readonly Exact[] | null, state: SystemState | null = null): void {
     this.system = system;
-    this.state = { ...this.state, time: 0, start: start ?? this.state.start };
+    this.state = state ?? { ...this.state, time: 0, start: start ?? this.state.start };
     this.name();
     this.run();
     this.show();
@@ -225,7 +225,7 @@ export class SystemPage {
   }
 
   /** The state as somebody outside set it: what it leaves as it was goes on. */
-  private adopt(address: string, playing: boolean, sameTime: boolean): void {
+  adopt(address: string, playing: boolean, sameTime: boolean): void {
     const before = this.state;
     try {
       const next = withPartsOf(before, { ...read(this.system, address), playing });
