@@ -9,9 +9,10 @@ const { traits, wanted } = JSON.parse(readFileSync(file, "utf8"));
 const { browser, tab, found, set, count, said } = await hosted(traits);
 
 /** The page in its frame, once it moves; another one after the frame has loaded again. */
-async function shown(until = "window.typed") {
+async function shown(title = null) {
   const frame = await (await tab.waitForSelector("iframe", { state: "attached" })).contentFrame();
-  await frame.waitForFunction(`Boolean(${until}) && window.laboratory?.results().top.end > 1`, null, { polling: 100 });
+  const isShown = (wanted) => (wanted ? document.getElementById("title")?.textContent === wanted : window.typed?.rests()) && window.laboratory?.results().top.end > 1;
+  await frame.waitForFunction(isShown, title, { polling: 100 });
   return frame;
 }
 const seen = (frame) => frame.evaluate(() => {
@@ -66,7 +67,7 @@ try {
 
   // the page of tops takes the place of this one, and the address of a typed system that of the page of tops
   await set({ _carried: "", address: wanted.top });
-  await shown("document.getElementById('title').textContent === 'A top of your own'");
+  await shown("A top of your own");
   await set({ address: wanted.addresses.parameters });
   frame = await shown();
   found.again = await seen(frame);
