@@ -39,12 +39,13 @@ try {
   let before = await count();
   await frame.locator("#hamiltonian").fill(wanted.right);
   found.right = { said: await said(before), ...(await seen(frame)) };
-  await tab.screenshot({ path: `${folder}/typed.png` });
 
   // what is wrong is said, and the last right system stays; when it is mended nothing is said any more
   before = await count();
   await frame.locator("#hamiltonian").fill(wanted.wrong);
   found.wrongly = { said: await said(before), ...(await seen(frame)) };
+  await tab.waitForTimeout(1500); // a processor that draws is behind
+  await tab.screenshot({ path: `${folder}/typed.png` });
   before = await count();
   await frame.locator("#hamiltonian").fill(wanted.right);
   found.mended = { said: await said(before), ...(await seen(frame)) };
