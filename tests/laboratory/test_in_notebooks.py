@@ -61,7 +61,14 @@ if __name__ == "__main__":
     app.run()
 """
 
-CELLS = [f"import liepoisson as lp\nwidget = {MAKE}\nwidget", "print('START', widget.start, widget.time, 'END')", SET]
+CELLS = [
+    f"import liepoisson as lp\nwidget = {MAKE}\nwidget",
+    "print('START', widget.start, widget.time, 'END')",
+    SET,
+    "typed = lp.view(playing=False)\ntyped",
+    "print('TYPED', typed.system.hamiltonian, typed.system.parameters, typed.message, 'END')",
+    "typed.state = {'parameters': {'k': '1/3'}}",
+]
 
 
 def notebook():
@@ -164,3 +171,10 @@ def test_what_is_done_in_the_page_is_in_python_and_what_is_set_is_shown(kind, pa
     assert [one for one in found["asked"] if one["inside"]] == []
     assert found["wrong"] == []
     assert (tmp_path / f"{kind}.png").stat().st_size > 20_000
+    if kind == "jupyter":
+        assert sorted(re.findall(r"[^ ]*\*y[^ ]*", found["typed"])) == ["x**2*y"]
+        assert "'k': Fraction(1, 1)" in found["typed"]
+        assert "sen" in found["wronglyTyped"]
+        assert found["typed"].split("}")[0] == found["wronglyTyped"].split("}")[0]
+        assert "'k': Fraction(1, 3)" in found["slider"]
+        assert found["slider"].endswith("}  END")

@@ -4,6 +4,8 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
+from fractions import Fraction
 from importlib.resources import files
 
 import numpy as np
@@ -12,6 +14,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.compile.field import QuadraticField
 from liepoisson.errors import LiePoissonError, MissingPackageError, ParameterError, ShapeError, UnknownNameError
+from liepoisson.laboratory.drafts import Draft, joined
 from liepoisson.numeric.sampling import sample_tangents
 
 START = [1, 0.2, 0, 0, 0.6, 0.8, 0, 0, 1]
@@ -268,3 +271,117 @@ def test_a_direction_without_a_surface_is_refused(widget):
     assert "section=l3,-1" in widget.address
     widget.state = {"direction": 1}
     assert "section=l3,1" in widget.address
+
+
+def spring(k="4"):
+    """A spring pendulum, whose parameters are k and l0."""
+    formula = "(p_x^2 + p_y^2)/2 + k*(sqrt(x^2 + y^2) - l0)^2/2 + y"
+    return lp.System(lp.canonical(names=["x", "y"]), formula, {"k": k, "l0": "3/4"}, name="spring")
+
+
+def typed(**changes):
+    """The address of a typed system, as the page tells it."""
+    draft = replace(Draft("canonical", "(p_x^2 + x^2)/2 + k*x^4", coordinates="x", parameters={"k": "1/3"}), **changes)
+    return joined({**draft.written(), "v": "1", "system": draft.checksum, "start": "0.5,0", "theme": "dark", "t": "2"})
+
+
+def test_without_a_system_one_is_typed_and_what_is_typed_is_in_python():
+    pytest.importorskip("anywidget")
+    widget = lp.view()
+    assert sent(widget)["address"].startswith("own=1&")
+    assert sent(widget)["_carried"] == ""
+    assert widget.system.component_names == ("x", "y", "p_x", "p_y")
+    seen = []
+    widget.observe(lambda change: seen.append(change["name"]), names=["start", "state"])
+    widget.set_state({"address": typed(), "playing": False, "message": ""})
+    assert str(widget.system.hamiltonian) == "p_x**2/2 + x**4/3 + x**2/2"
+    assert (widget.start, widget.time, widget.state["parameters"]) == ((0.5, 0), 2, {"k": "1/3"})
+    assert (widget.state["theme"], set(seen)) == ("dark", {"start", "state"})
+    assert np.asarray(lp.integrate(widget.system, widget.start, times=[0, 1]).state).shape == (1, 2, 2)
+    # a wrong formula: the page tells the address of the last right one, and says what is wrong
+    right = widget.system
+    widget.set_state({"address": widget.address, "message": "x5 is not known. Did you mean x?"})
+    assert (widget.message, widget.system) == ("x5 is not known. Did you mean x?", right)
+
+
+def test_parameters_of_a_system_that_can_be_typed_are_set_from_both_sides():
+    pytest.importorskip("anywidget")
+    system = spring()
+    widget = lp.view(system, start=[1, 0, 0, 0.5], state={"theme": "light"})
+    assert widget.system is system
+    assert widget.state["parameters"] == {"k": "4", "l0": "3/4"}
+    assert widget.start == (1, 0, 0, 0.5)
+    widget.time = 3
+    widget.state = {"parameters": {"k": 0.5}}
+    assert widget.system.parameters == {"k": Fraction(1, 2), "l0": Fraction(3, 4)}
+    assert (widget.time, widget.start, widget.state["theme"]) == (0, (1, 0, 0, 0.5), "light")
+    assert "parameters=k:0.5;l0:3/4&" in sent(widget)["address"]
+    draft = Draft.read(widget.address).with_numbers({"k": "2"})
+    address = joined({**draft.written(), "v": "1", "system": draft.checksum, "start": "1,0,0,0.5"})
+    widget.set_state({"address": address})
+    assert (widget.state["parameters"]["k"], widget.system.parameters["k"], widget.address) == ("2", 2, address)
+    # what needs another page is shown as before
+    assert json.loads(sent(lp.view(system, surfaces=["x*y"]))["_carried"])["name"] == "spring"
+    assert json.loads(sent(lp.view(lp.integrate(system, widget.start, times=[0, 1])))["_carried"])["saved"] is not None
+
+
+def test_the_address_of_a_typed_system_opens_it():
+    pytest.importorskip("anywidget")
+    for widget in (
+        lp.view(typed()),
+        lp.view(f"https://liepoisson.test/lab.html#{typed()}"),
+        lp.view(TOP),
+        lp.view(heavier(1)),
+    ):
+        widget.address = typed()
+        assert (widget.start, widget.time, widget.system.component_names) == ((0.5, 0), 2, ("x", "p_x"))
+        widget.address = "own=1&example=heavy-top"
+        assert (widget.start, widget.system.name) == ((1, 2, 3, 1, 1, -1), "Heavy top")
+        widget.system = spring()
+        assert widget.state["parameters"] == {"k": "4", "l0": "3/4"}
+        widget.system = TOP
+        assert (widget.address.startswith("v=1&top="), sent(widget)["_carried"]) == (True, "")
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"address": typed(hamiltonian="__import__('os')")}, "cannot"),
+        ({"address": typed(hamiltonian="<img src=x>")}, "cannot"),
+        ({"address": typed(parameters={})}, "k"),
+        ({"address": typed().replace("sum=", "sum=1")}, "checksum"),
+        ({"address": typed(coordinates="x" * 10**6)}, "at most 16000"),
+        ({"address": typed() + "&__proto__=1"}, "__proto__"),
+        ({"address": "own=1&example=__proto__"}, "no example"),
+        ({"address": "v=1&start=0,0"}, "one of the page that is shown"),
+        ({"address": ["own=1"]}, "address cannot be"),
+        ({"address": typed(), "playing": 1}, "playing cannot be 1"),
+        ({"address": typed(), "message": {"text": "x"}}, "message cannot be"),
+    ],
+)
+def test_a_typed_system_from_the_page_that_cannot_be_changes_nothing_and_is_answered(said, words):
+    pytest.importorskip("anywidget")
+    widget = lp.view(spring(), start=[1, 0, 0, 0.5])
+    before = (widget.address, widget.state, widget.start, widget.time, widget.system, widget.playing)
+    widget.set_state(said)
+    assert (widget.address, widget.state, widget.start, widget.time, widget.system, widget.playing) == before
+    assert "Python cannot take this state" in widget.message
+    assert words in widget.message
+    assert len(widget.message) <= 1000
+
+
+def test_parameters_with_which_there_is_no_system_are_refused():
+    pytest.importorskip("anywidget")
+    widget = lp.view(lp.catalog.system("heavy-top"))
+    before = (widget.address, widget.state, widget.start, widget.system)
+    for wrong, error in (
+        ({"I1": 0}, LiePoissonError), ({"I4": 1}, UnknownNameError), ({"I1": "sqrt(2)"}, ParameterError),
+        ({"I1": [1]}, ParameterError), ({"I1": True}, ParameterError), ([1], ShapeError), ("<b>", ParameterError),
+    ):  # fmt: skip
+        with pytest.raises(error):
+            widget.state = {"parameters": wrong}
+        assert (widget.address, widget.state, widget.start, widget.system) == before, wrong
+    with pytest.raises(ParameterError, match="belong to a system or a result"):
+        lp.view(start=[1, 2])
+    with pytest.raises(ParameterError, match="got 'str'"):
+        lp.view("henon-heiles")

@@ -222,7 +222,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
   }
 
   /** The state as somebody outside set it: what it leaves as it was goes on. */
-  private adopt(address: string, playing: boolean, sameTime: boolean): void {
+  adopt(address: string, playing: boolean, sameTime: boolean): void {
     const before = this.state;
     let next = before;
     try {

@@ -11,7 +11,7 @@ async function start(): Promise<void> {
     document.documentElement.dataset.notebook = "1";
     const notebook = await opened(window);
     standIn(notebook);
-    if (notebook.carried) carry(notebook.carried);
+    if (notebook.carried && !isTyped(notebook.address)) carry(notebook.carried);
   } else {
     // an exported page of a top carries its address
     const address = document.getElementById("address")?.textContent;
@@ -19,7 +19,7 @@ async function start(): Promise<void> {
   }
   if (place().query.get("embed") === "1") document.documentElement.dataset.embed = "1";
   if (document.getElementById(CARRIED)) (await import("./systems/page")).start();
-  else if (isTyped(location.hash)) await typed();
+  else if (isTyped(place().address)) await typed();
   else {
     addEventListener("hashchange", () => isTyped(location.hash) && location.reload());
     await new (await import("./tops/page")).TopPage().begin();

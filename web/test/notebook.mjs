@@ -19,17 +19,17 @@ tab.on("request", (request) => {
 });
 tab.on("console", (message) => message.type() === "error" && /liepoisson|about:srcdoc|Content Security/.test(message.text() + message.location().url) && found.wrong.push(message.text()));
 
-/** What Python says of the widget: the text that begins with START, once it is another one. */
-async function said(before = "") {
-  if (kind === "jupyter") await runCell(1);
+/** What Python says of the widget: the text that begins with this word, once it is another one. */
+async function said(before = "", word = "START", cell = 1) {
+  if (kind === "jupyter") await runCell(cell);
   const texts = tab.locator(kind === "jupyter" ? ".jp-OutputArea-output pre" : "pre, .marimo-output, .output-area, [data-testid=console-output]");
   for (let tries = 0; tries < 100; tries++) {
     for (const text of await texts.allInnerTexts()) {
-      const line = /START .* END/.exec(text)?.[0];
+      const line = new RegExp(`${word} .* END`).exec(text)?.[0];
       if (line && line !== before) return line;
     }
     await tab.waitForTimeout(200);
-    if (kind === "jupyter" && tries % 10 === 9) await runCell(1);
+    if (kind === "jupyter" && tries % 10 === 9) await runCell(cell);
   }
   throw new Error(`the cells say nothing new after ${before}`);
 }
@@ -40,6 +40,24 @@ const runCell = (index) =>
     content.activeCellIndex = cell;
     await window.jupyterapp.commands.execute("notebook:run-cell");
   }, index);
+
+async function typed() {
+  await runCell(3);
+  const element = await tab.waitForSelector('.jp-Cell:nth-of-type(4) iframe, .jp-Cell:has-text("lp.view(playing") iframe', { state: "attached" });
+  frame = await element.contentFrame();
+  const moves = () => frame.waitForFunction(() => window.typed?.rests() && window.laboratory?.results().top.end > 1, null, { polling: 300 });
+  await moves();
+  const first = await said("", "TYPED", 4);
+  await frame.locator("#hamiltonian").fill("(p_x^2 + p_y^2 + x^2 + y^2)/2 + k*x^2*y");
+  found.typed = await said(first, "TYPED", 4);
+  await frame.locator("#hamiltonian").fill("(p_x^2 + p_y^2 + x^2 + y^2)/2 + sen(x)");
+  found.wronglyTyped = await said(found.typed, "TYPED", 4);
+  await runCell(5);
+  await frame.waitForFunction(() => document.querySelector(".parameter > input[type=range]")?.getAttribute("aria-valuetext") === "1/3", null, { polling: 200 });
+  await moves();
+  found.slider = await said(found.wronglyTyped, "TYPED", 4);
+  await tab.screenshot({ path: `${folder}/${kind}-typed.png` });
+}
 
 try {
   await tab.goto(url);
@@ -95,6 +113,9 @@ try {
   });
   await tab.waitForTimeout(1500);
   await tab.screenshot({ path: `${folder}/${kind}-set.png` });
+
+  // a system is typed into another cell, and then wrongly; a slider that Python sets
+  if (kind === "jupyter") await typed();
 } catch (error) {
   found.error = String(error.stack ?? error);
   await tab.screenshot({ path: `${folder}/${kind}-error.png` }).catch(() => undefined);

@@ -139,13 +139,16 @@ describe("the state", () => {
     expect(window.name).toBe(NAME);
   });
 
-  test("of a page that is to give way to another system is neither told nor heard", async () => {
+  test.each([
+    ["of a system", "{}", "v=1&system=abc"],
+    ["on which a system is typed", "", "own=1&bracket=so3"],
+  ])("of a page that is to give way to one %s is neither told nor heard", async (_, carried, address) => {
     const { python, notebook, heard } = await connected();
-    python.set("_carried", "{}");
-    python.set("address", "v=1&system=abc");
+    python.set("_carried", carried);
+    python.set("address", address);
     notebook.keep(() => "v=1&t=8", true);
     await new Promise((resolve) => setTimeout(resolve, 200));
-    expect([python.saved, python.get("address"), heard]).toEqual([[], "v=1&system=abc", []]);
+    expect([python.saved, python.get("address"), heard]).toEqual([[], address, []]);
   });
 
   test("goes on when the frame loads again, and ends with the cell", async () => {

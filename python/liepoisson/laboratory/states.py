@@ -11,8 +11,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, TypeAlias
-from urllib.parse import parse_qsl, urlencode
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_
 from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.refusals import check_choice
+from liepoisson.laboratory.drafts import Draft, is_typed, joined, number_text, parts_of, rest_of
 from liepoisson.laboratory.pages import checked_start, exact_text, shortest
 from liepoisson.laboratory.tops import PARAMETERS, presets
 
@@ -42,10 +42,6 @@ HORIZON = 1e4
 """As the page has them (`state/everyday.ts`, `state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the
 last in its units of time."""
 
-
-_LONGEST = 16_000
-"""Characters of an address, as the page has it (`systems/url.ts`)."""
-
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?|[+-]?\d+/\d+")
 
 
@@ -57,7 +53,8 @@ class Addresses:
     surfaces: tuple[str, ...]  # names of what can be a surface of section
     views: tuple[str, ...]  # names of its views
     horizon: float  # the last time of the page
-    system: str = ""  # the short hash of the system that it carries; "" for the page of tops
+    system: str = ""  # the short hash of the system that it carries or that is typed; "" for the page of tops
+    draft: Draft | None = None  # what is typed
 
     @classmethod
     def of(cls, record: Mapping[str, Any] | None) -> Addresses:
@@ -68,6 +65,41 @@ class Addresses:
         surfaces = tuple(one["name"] for one in record["surfaces"])
         horizon = HORIZON * float(record["unit"])
         return cls(components, surfaces, _views(record), horizon, str(record["id"]))
+
+    @classmethod
+    def of_draft(cls, draft: Draft) -> Self:
+        """Those of the page on which this system is typed.
+
+        Raises:
+            LiePoissonError: what was typed describes no system.
+        """
+        components = draft.system.component_names
+        seen = {
+            "components": components,
+            "clock": None,
+            "turns": [True if name in draft.system.periods else None for name in components],
+            "vector_length": draft.vector_length,
+            "picture": None,
+        }
+        return cls(components, components, _views(seen), HORIZON * draft.unit, draft.checksum, draft)
+
+    def opened(self, address: str) -> Addresses:
+        """Those of the page that this address opens: another one where it is of another system that is typed.
+
+        Raises:
+            LiePoissonError: what was typed describes no system.
+        """
+        if not is_typed(address):
+            return self
+        draft = Draft.read(address)
+        return self if draft == self.draft else Addresses.of_draft(draft)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the numbers that the page has sliders for."""
+        if self.draft is not None:
+            return tuple(self.draft.numbers)
+        return () if self.system else PARAMETERS
 
     def checked(self, state: Any) -> State:
         """Parts of a state, each as the page can be told it."""
@@ -81,13 +113,15 @@ class Addresses:
 
     def read(self, address: str) -> State:
         """The state of an address: what it says, and no more."""
-        parts = _parts(address)
-        if parts.pop("v", "") != "1" or parts.pop("system", "") != self.system:
+        parts = parts_of(address)
+        state: State = {}
+        if self.draft is not None and is_typed(address):
+            parts, state = rest_of(address), _said_by(self.draft, self.components)
+        elif parts.pop("v", "") != "1" or self.draft is not None or parts.pop("system", "") != self.system:
             raise ParameterError(f"address must be one of the page that is shown; got {address!r:.80}. Copy it again.")
         codecs = _codecs(self)
         if unknown := sorted(set(parts) - set(codecs)):
             raise ParameterError(f"address has an unknown part, {unknown[0]!r:.40}; it has {', '.join(codecs)}.")
-        state: State = {}
         for name in sorted(parts, key=lambda name: name != "preset"):
             try:
                 state |= codecs[name][0](parts[name])
@@ -99,17 +133,19 @@ class Addresses:
 
     def write(self, state: Mapping[str, Any]) -> str:
         """The address of a checked state."""
-        query = {"v": "1"} | ({"system": self.system} if self.system else {})
+        typed = self.draft and self.draft.with_numbers(state.get("parameters", {}))
+        query = typed.written() if typed else {}
+        query |= {"v": "1"} | ({"system": typed.checksum if typed else self.system} if self.system else {})
         # a preset has parameters and a start of its own
         left_out = ("top", "start") if state.get("preset") else ()
         written = {name: write(dict(state)) for name, (_, write) in _codecs(self).items() if name not in left_out}
-        return urlencode(query | {name: text for name, text in written.items() if text is not None}, safe=",/")
+        return joined(query | {name: text for name, text in written.items() if text is not None})
 
     def changed(self, state: State, changes: Mapping[str, Any]) -> State:
         """The state with some of its parts changed; another orbit begins at time 0."""
         found = self.checked(changes)
         if "parameters" in found:
-            found |= _completed(state.get("parameters", {}), found.pop("parameters"))
+            found |= _completed(self.parameters, {**state.get("parameters", {}), **found.pop("parameters")})
         if found.get("preset"):
             found = {**_begun(found["preset"]), **found}
         same = all(found[part] == state.get(part) for part in ("start", "parameters") if part in found)
@@ -156,9 +192,10 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         return int(sign)
 
     keys = [preset["key"] for preset in presets()]
+    parameters: dict[str, Callable[[Any], Any]] = {"parameters": lambda given: _parameters(page, given)}
     of_tops: dict[str, Callable[[Any], Any]] = {
         "preset": lambda key: None if key is None else _one_of("preset", keys)(key),
-        "parameters": _parameters,
+        **parameters,
     }
     shared: dict[str, Callable[[Any], Any]] = {
         "start": lambda values: tuple(float(value) + 0.0 for value in checked_start(values, page.components)),
@@ -178,7 +215,7 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
             "projection": several("projection", 2, 3),
             "series": several("series", 0, MOST_SERIES),
         }
-        return shared | of_systems
+        return (parameters if page.parameters else {}) | shared | of_systems
     return of_tops | shared | {"shadow": _yes_or_no}
 
 
@@ -206,23 +243,26 @@ def _yes_or_no(value: Any) -> bool:
     return bool(value)
 
 
-def _parameters(given: Any) -> dict[str, str]:
-    """Exact texts of parameters of a top, by name or all ten."""
+def _parameters(page: Addresses, given: Any) -> dict[str, str]:
+    """Exact texts of parameters, by name or all of them."""
+    known = page.parameters
     values = named(given, "parameters")
     if values is None:
         if (several := listed(given, "parameters")) is None:
-            raise ParameterError(f"parameters must be values by name, such as {{'epsilon': '1/3'}}; got {given!r:.80}.")
-        if len(several) != len(PARAMETERS):
-            raise ShapeError(f"parameters must be {len(PARAMETERS)}, {', '.join(PARAMETERS)}; got {len(several)}.")
-        values = dict(zip(PARAMETERS, several, strict=True))
+            raise ParameterError(
+                f"parameters must be values by name, such as {{'{known[-1]}': '1/3'}}; got {given!r:.80}."
+            )
+        if len(several) != len(known):
+            raise ShapeError(f"parameters must be {len(known)}, {', '.join(known)}; got {len(several)}.")
+        values = dict(zip(known, several, strict=True))
     found: dict[str, str] = {}
     for name, value in values.items():
-        text = _exact(value)
+        text = _exact(value) if page.draft is None else number_text(str(value))
         if text is None:
-            raise ParameterError(f"{_one_of('parameters', PARAMETERS)(name)} must be a number; got {value!r:.40}.")
-        if name in PARAMETERS[:3] and Fraction(text) < Fraction(1, 100):
+            raise ParameterError(f"{_one_of('parameters', known)(name)} must be a number; got {value!r:.40}.")
+        if known == PARAMETERS and name in PARAMETERS[:3] and Fraction(text) < Fraction(1, 100):
             raise ParameterError(f"{name} is a moment of inertia, at least 0.01; got {value!r:.40}.")
-        found[_one_of("parameters", PARAMETERS)(name)] = text
+        found[_one_of("parameters", known)(name)] = text
     return found
 
 
@@ -257,27 +297,20 @@ def _within(what: str, least: float, most: float) -> Callable[[Any], float]:
     return check
 
 
-def _completed(known: Mapping[str, str], changes: Mapping[str, str]) -> State:
-    """All parameters of a top after a change of some; none where nothing is said of them."""
-    texts = {**known, **changes}
-    if texts and len(texts) < len(PARAMETERS):
+def _completed(names: Sequence[str], texts: Mapping[str, str]) -> State:
+    """All parameters after a change of some; none where nothing is said of them."""
+    if texts and len(texts) < len(names):
         raise ParameterError(
-            f"parameters must be all of {', '.join(PARAMETERS)}, as the page has not yet said its own; "
+            f"parameters must be all of {', '.join(names)}, as the page has not yet said its own; "
             f"got {', '.join(texts)}."
         )
-    return {"parameters": {name: texts[name] for name in PARAMETERS}} if texts else {}
+    return {"parameters": {name: texts[name] for name in names}} if texts else {}
 
 
-def _parts(address: str) -> dict[str, str]:
-    """The parts of an address by name, as texts."""
-    if len(address) > _LONGEST:
-        raise ParameterError(f"address must have at most {_LONGEST} characters; got {len(address)}.")
-    pairs = parse_qsl(address.removeprefix("#"), keep_blank_values=True)
-    parts = dict(pairs)
-    if len(parts) < len(pairs):
-        twice = next(name for name, _ in pairs if [other for other, _ in pairs].count(name) > 1)
-        raise ParameterError(f"address has {twice!r:.40} twice. Copy it again.")
-    return parts
+def _said_by(draft: Draft, components: Sequence[str]) -> State:
+    """What a typed system says of the state of its page by itself."""
+    start = {"start": [_number(text) for text in draft.start]} if len(draft.start) == len(components) else {}
+    return {**start, **({"parameters": draft.numbers} if draft.numbers else {})}
 
 
 Codec: TypeAlias = "tuple[Callable[[str], State], Callable[[State], str | None]]"

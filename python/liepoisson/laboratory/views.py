@@ -12,6 +12,7 @@ from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name
 from liepoisson.inputs.refusals import check_choice
+from liepoisson.laboratory.drafts import is_typed
 from liepoisson.laboratory.pages import Page, page_of
 from liepoisson.laboratory.states import HORIZON
 from liepoisson.numeric.integrate import Orbit
@@ -31,7 +32,7 @@ HEIGHTS = {"two": 460, "all": 820}
 
 @explains_its_arguments
 def view(
-    shown: Any,
+    shown: Any = None,
     *,
     start: ArrayLike | Mapping[str, Any] | None = None,
     surfaces: Sequence[Any] = (),
@@ -46,19 +47,23 @@ def view(
 
     It is the page that `liepoisson lab` opens, in a frame of its own. It needs no network. What is done in it, such as
     a click on a crossing, is in `widget.start`, `widget.time` and `widget.state`; setting one changes the view.
+    Without a system one is typed in the cell, and what is typed is `widget.system`.
 
     Args:
         shown: A system or a `Top`; an orbit or a section, which the page computes again and compares; a rod of a top;
-            or a sweep, of which one orbit is followed.
+            or a sweep, of which one orbit is followed.  The address of a system that was typed in the page, or what
+            follows its #, opens it; nothing opens the page on which one is typed.
         start: Where the orbit of a system begins, shape (component,), or components by name; by default trajectory 0 of
             the random unit vectors.
         surfaces: Functions whose zeros can be chosen as surface of section, besides the components.
         trajectory: Which orbit of a result; of a sweep, which of those at its point.
         point: Which point of a sweep.
         state: What the page begins with, by name: `surface`, `direction`, `axes`, `view`, `tol`, `theme`, `time`,
-            `speed`; for tops also `parameters`, `preset` and `shadow`, and for others `projection` and `series`.
+            `speed`; for tops also `parameters`, `preset` and `shadow`, and for others `projection` and `series`, with
+            `parameters` of systems that can be typed.
         playing: Whether the motion begins to play; where *reduced motion* is set in the system it waits.
-        panels: "two" shows the motion and the section, "all" the whole laboratory.
+        panels: "two" shows the motion and the section, of a system that is typed its fields and sliders, too; "all" the
+            whole laboratory.
         height: Of the widget, in pixels.
 
     Returns:
@@ -82,20 +87,37 @@ def view(
         raise ParameterError(f"playing must be True or False; got {playing!r:.40}.")
     check_choice(panels, "panels", tuple(HEIGHTS))
     begin = {} if state is None else by_name(state, "state", "parts", "{'time': 5}")
-    page, system = _page(shown, start, surfaces, trajectory, point)
+    made = None
+    if shown is None or (isinstance(shown, str) and is_typed(shown.rpartition("#")[2])):
+        _check_that_nothing_else_is_given(start, surfaces, trajectory, point)
+    else:
+        made = _page(shown, start, surfaces, trajectory, point)
     if isinstance(shown, Rod):
         # backwards is no time of the page
         end = float(np.clip(shown.arclength[-1] - shown.arclength[0], 0.0, HORIZON))
         begin = {"view": "rod", "time": end, **begin}
     try:
-        from liepoisson.laboratory.widget import View, checked_height
+        from liepoisson.laboratory.widget import Opening, View, checked_height
     except ImportError as error:
         raise MissingPackageError(
             "a view in a notebook needs the package anywidget, which is not installed. "
             'Run pip install "liepoisson[notebook]".'
         ) from error
+    if made is None:
+        opening = Opening.of_address("own=1" if shown is None else shown.rpartition("#")[2])
+    else:
+        opening = Opening.of_page(*made, surfaces)
     size = checked_height(HEIGHTS[panels] if height is None else height)
-    return View(page, system, surfaces=surfaces, state=begin, playing=bool(playing), panels=panels, height=size)
+    return View(opening, state=begin, playing=bool(playing), panels=panels, height=size)
+
+
+def _check_that_nothing_else_is_given(start: Any, surfaces: Any, trajectory: Any, point: Any) -> None:
+    has_surfaces = not (isinstance(surfaces, Sequence) and len(surfaces) == 0)
+    if start is not None or has_surfaces or trajectory != 0 or point is not None:
+        raise ParameterError(
+            "start, surfaces, trajectory and point belong to a system or a result; got one of them without. Leave "
+            "them out, or view a system."
+        )
 
 
 def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | None) -> tuple[Page, Any]:

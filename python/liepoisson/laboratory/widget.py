@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, partial
 from importlib.resources import files
 from typing import Any, cast
@@ -13,6 +14,7 @@ import traitlets
 
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.scalars import as_count
+from liepoisson.laboratory.drafts import Draft
 from liepoisson.laboratory.pages import Page, as_data, page_of
 from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State
 from liepoisson.model.tops import Top
@@ -38,6 +40,44 @@ def script() -> str:
     return text.replace(_PLACE, f"const PAGE = {as_data(page)};")
 
 
+@dataclass(frozen=True)
+class Opening:
+    """What a frame is opened with."""
+
+    addresses: Addresses
+    begun: State  # the state in which it begins
+    system: Any
+    surfaces: Sequence[Any] = ()
+    carried: str = ""  # the description of the system of its page, as it is told it
+
+    @classmethod
+    def of_address(cls, address: str) -> Opening:
+        """Of the page on which a system is typed, as this address has it."""
+        draft = Draft.read(address)
+        addresses = Addresses.of_draft(draft)
+        return cls(addresses, addresses.read(address), draft.system)
+
+    @classmethod
+    def of_page(cls, page: Page, system: Any, surfaces: Sequence[Any] = ()) -> Opening:
+        """Of a page; a system with parameters that can be typed there is, so that it has sliders."""
+        record = page.record
+        addresses = Addresses.of(record)
+        if record is None:
+            return cls(addresses, addresses.read(page.address), system, surfaces)
+        if isinstance(surfaces, Sequence) and not surfaces and record["saved"] is None and record["picture"] is None:
+            draft = Draft.of_system(system, record["start"], record["unit"])
+            if draft is not None and draft.parameters:
+                addresses = Addresses.of_draft(draft)
+                # the surface of the page if it is a component
+                names = record["components"][record["surface"] :][:1]
+                begins = {"surface": names[0], "direction": 1} if names else {}
+                return cls(addresses, addresses.read(addresses.write(addresses.checked(begins))), system)
+        begins = {"start": [float(text) for text in record["start"]]}
+        begun = addresses.read(addresses.write(addresses.checked(begins)))
+        carried = json.dumps(record, allow_nan=False, separators=(",", ":"))
+        return cls(addresses, begun, system, surfaces, carried)
+
+
 class View(anywidget.AnyWidget):
     """The laboratory in a cell of a notebook, made by `view`.
 
@@ -51,9 +91,10 @@ class View(anywidget.AnyWidget):
         time: The time of the cursor.
         playing: Whether the motion plays.
         height: Pixels of the frame.
-        address: The state as the address of the page has it after the #.
-        message: What the message of the page says, such as why a state was refused; "" where there is none.
-        system: What is shown; no trait, but it can be set to another system, such as one with other parameters.
+        address: The state as the address of the page has it after the #; that of a system that is typed opens this.
+        message: What the page says, such as why a state was refused, or what is wrong in a formula that is typed, where
+            the last system stays; "" where there is nothing.
+        system: What is shown, such as the system that was typed; no trait, but it can be set to another system.
     """
 
     _esm = traitlets.Unicode().tag(sync=True)
@@ -69,21 +110,18 @@ class View(anywidget.AnyWidget):
 
     def __init__(
         self,
-        page: Page,
-        system: Any,
+        opening: Opening,
         *,
-        surfaces: Sequence[Any],
         state: Mapping[str, Any],
         playing: bool,
         height: int,
         panels: str,
     ) -> None:
-        self._addresses = Addresses.of(page.record)
-        self._shown, self._surfaces = system, surfaces
-        self._known = self._addresses.changed(_begun(page, self._addresses), state)
+        self._opening, self._addresses = opening, opening.addresses
+        self._known = self._addresses.changed(opening.begun, state)
         super().__init__(
             _esm=script(),
-            _carried=_carried(page),
+            _carried=opening.carried,
             _options="" if panels == "all" else "embed=1",
             playing=playing,
             height=height,
@@ -92,10 +130,12 @@ class View(anywidget.AnyWidget):
 
     @property
     def system(self) -> Any:
-        """What is shown: a top with the parameters of now, or the system that was given."""
+        """What is shown: the system that was typed, a top with the parameters of now, or the system that was given."""
+        if (draft := self._addresses.draft) is not None:
+            return draft.system
         texts = list(self._known.get("parameters", {}).values())
         if not texts or self._addresses.system:
-            return self._shown
+            return self._opening.system
         inertia, a, b = (tuple(texts[k : k + 3]) for k in (0, 3, 6))
         return Top(inertia=cast("Any", inertia), a=cast("Any", a), b=cast("Any", b), epsilon=texts[9])
 
@@ -112,18 +152,18 @@ class View(anywidget.AnyWidget):
             )
         before, known = self._addresses, self._known
         same = tuple(map(str, names)) == before.components
-        surfaces = self._surfaces if same else ()
+        surfaces = self._opening.surfaces if same else ()
         page = page_of(system, start=known.get("start") if same else None, surfaces=surfaces)
-        addresses = Addresses.of(page.record)
+        opening = Opening.of_page(page, system, surfaces)
+        addresses = opening.addresses
         kept = ["theme", "speed", "tol"]
         if (addresses.surfaces, addresses.views) == (before.surfaces, before.views) and same:
             kept += ["surface", "direction", "axes", "view", "projection", "series", "shadow"]
-        begun = _begun(page, addresses)
-        known = addresses.changed(begun, {name: known[name] for name in kept if name in known})
-        self._addresses, self._shown, self._surfaces = addresses, system, surfaces
+        known = addresses.changed(opening.begun, {name: known[name] for name in kept if name in known})
+        self._opening, self._addresses = opening, addresses
         with self.hold_sync():
             self.message = ""
-            self._carried = _carried(page)
+            self._carried = opening.carried
             self.address = addresses.write(known)
 
     def set_state(self, sync_data: dict[str, Any]) -> None:
@@ -133,7 +173,7 @@ class View(anywidget.AnyWidget):
             for name, value in said.items():
                 if not isinstance(value, bool if name == "playing" else str):
                     raise ParameterError(f"{name} cannot be {value!r:.80}.")
-            self._addresses.read(said.get("address", self.address))
+            self._read(said.get("address", self.address))
         except LiePoissonError as error:
             self.message = _shortened(f"Python cannot take this state from the page, and keeps its own: {error}")
             self.send_state([*_FROM_PAGE])
@@ -142,9 +182,14 @@ class View(anywidget.AnyWidget):
             said["message"] = _shortened(said["message"])
         super().set_state(said)
 
+    def _read(self, address: str) -> tuple[Addresses, State]:
+        """The page that an address opens, which is another one where another system is typed, and its state."""
+        addresses = self._addresses.opened(address)
+        return addresses, addresses.read(address)
+
     @traitlets.validate("address")
     def _valid_address(self, proposal: dict[str, Any]) -> str:
-        self._addresses.read(proposal["value"])
+        self._read(proposal["value"])
         return proposal["value"]
 
     @traitlets.validate("message")
@@ -153,7 +198,9 @@ class View(anywidget.AnyWidget):
 
     @traitlets.validate("state")
     def _valid_state(self, proposal: dict[str, Any]) -> State:
-        return self._addresses.changed(self._known, proposal["value"])
+        changed = self._addresses.changed(self._known, proposal["value"])
+        self._addresses.opened(self._addresses.write(changed))  # with these parameters it is a system, too
+        return changed
 
     @traitlets.validate("start")
     def _valid_start(self, proposal: dict[str, Any]) -> Any:
@@ -169,7 +216,7 @@ class View(anywidget.AnyWidget):
 
     @traitlets.observe("address")
     def _address_changed(self, change: dict[str, Any]) -> None:
-        self._known = self._addresses.read(str(change["new"]))
+        self._addresses, self._known = self._read(str(change["new"]))
         self.set_trait("time", self._known.get("time", 0.0))
         self.set_trait("state", dict(self._known))
         self.set_trait("start", self._known.get("start"))
@@ -181,19 +228,6 @@ class View(anywidget.AnyWidget):
         if any(self._known.get(name) != value for name, value in wanted.items()):
             self.message = ""
             self.address = self._addresses.write(self._addresses.changed(self._known, wanted))
-
-
-def _carried(page: Page) -> str:
-    """The description of the system of a page, as its frame is told it; "" for the page of tops."""
-    return "" if page.record is None else json.dumps(page.record, allow_nan=False, separators=(",", ":"))
-
-
-def _begun(page: Page, addresses: Addresses) -> State:
-    """The state in which a page begins."""
-    if page.record is None:
-        return addresses.read(page.address)
-    begins = {"start": [float(text) for text in page.record["start"]]}
-    return addresses.read(addresses.write(addresses.checked(begins)))
 
 
 def _shortened(message: str) -> str:

@@ -37,6 +37,8 @@ export class Notebook implements Place {
   readonly address: string;
   readonly playing: boolean;
   readonly carried: string;
+  /** Python has the last system that could be made, and the message that says what is wrong with the next. */
+  readonly keepsMistakes = false;
   /** What both sides have last agreed on. */
   private agreed: Said;
   /** What the page has to tell, once it rests. */

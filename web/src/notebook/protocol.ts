@@ -13,7 +13,7 @@ export interface Opening extends Said {
   readonly liepoisson: 1;
   /** That of the frame. */
   readonly name: string;
-  /** The description of a system, as the page reads it, or "" for the page of tops. */
+  /** The description of a system, as the page reads it, or "" for the page of tops; an address of a system that is typed needs none. */
   readonly carried: string;
   /** As after the `?` of an address. */
   readonly options: string;

@@ -7,6 +7,8 @@ export interface Place {
   readonly address: string;
   /** Whether it begins with moving; null where nobody says. */
   readonly playing: boolean | null;
+  /** Whether a text that is wrong is kept, too, and not only the last right one. */
+  readonly keepsMistakes: boolean;
   /** Keeps the state, at rest only. */
   keep(address: () => string, playing: boolean): void;
   /** Hands the state to somebody else; what the page says of it. */
@@ -32,6 +34,7 @@ const REST = 400;
 export class AddressLine implements Place {
   readonly query = new URLSearchParams(location.search);
   readonly playing = null;
+  readonly keepsMistakes = true;
   private waiting = 0;
 
   get address(): string {

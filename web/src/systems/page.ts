@@ -103,10 +103,10 @@ export class SystemPage extends Page<SystemState, SystemAction> {
     };
   }
 
-  /** Another system with the same components; `start` where its orbit does not begin where that of the last one did. */
-  replace(system: SystemDescription, start: readonly Exact[] | null): void {
+  /** Another system with the same components, in a state of its own or in that of the last one, perhaps with another start. */
+  replace(system: SystemDescription, start: readonly Exact[] | null, state: SystemState | null = null): void {
     this.system = system;
-    this.state = { ...this.state, time: 0, start: start ?? this.state.start };
+    this.state = state ?? { ...this.state, time: 0, start: start ?? this.state.start };
     this.name();
     this.run();
     this.show();

@@ -14,6 +14,13 @@ function secret() {
 }
 
 /**
+ * Which page shows this: that of a carried system, that of tops, or that on which a system is typed.
+ *
+ * @param {Model} model
+ */
+const pageOf = (model) => (/(^|&)own=/.test(String(model.get("address"))) ? "typed" : String(model.get("_carried")));
+
+/**
  * Connects a model with the page in a window each time that it is loaded; notebooks move cells, and frames load again.
  * The page has no origin, so that a message cannot be addressed to it by one: the name of its frame is checked instead.
  *
@@ -24,19 +31,19 @@ export function connection(model, name) {
   /** @type {MessagePort | null} */
   let port = null;
   let agreed = "";
-  /** What the page was opened with: another system needs the page anew. */
-  let carried = "";
+  /** The page that was opened: another one is opened anew. */
+  let page = "";
   let hearing = false;
   const said = () => ({ address: String(model.get("address")), playing: Boolean(model.get("playing")), message: String(model.get("message")) });
   const tell = () => {
     const now = said();
-    if (!port || hearing || model.get("_carried") !== carried || JSON.stringify(now) === agreed) return;
+    if (!port || hearing || pageOf(model) !== page || JSON.stringify(now) === agreed) return;
     agreed = JSON.stringify(now);
     port.postMessage(now);
   };
   /** @param {MessageEvent} event */
   const hear = ({ data }) => {
-    if (model.get("_carried") !== carried || typeof data?.address !== "string" || typeof data.playing !== "boolean" || typeof data.message !== "string") return;
+    if (pageOf(model) !== page || typeof data?.address !== "string" || typeof data.playing !== "boolean" || typeof data.message !== "string") return;
     agreed = JSON.stringify({ address: data.address, playing: data.playing, message: data.message });
     hearing = true; // the first of the three alone is a state that nobody has set
     for (const name of SAID) model.set(name, data[name]);
@@ -57,8 +64,8 @@ export function connection(model, name) {
       port = port1;
       port.onmessage = hear;
       agreed = JSON.stringify(said());
-      carried = model.get("_carried");
-      const opening = { liepoisson: 1, name, carried, options: model.get("_options"), ...said() };
+      page = pageOf(model);
+      const opening = { liepoisson: 1, name, carried: model.get("_carried"), options: model.get("_options"), ...said() };
       window.postMessage(opening, "*", [port2]);
     },
     end() {
@@ -79,14 +86,21 @@ function render({ model, el }) {
   size();
   const { open, end } = connection(model, frame.name);
   frame.addEventListener("load", () => open(frame.contentWindow));
-  const again = () => el.append(frame); // a frame that is moved loads again
+  let page = pageOf(model);
+  const again = () => {
+    if (page === pageOf(model)) return;
+    page = pageOf(model);
+    el.append(frame); // a frame that is moved loads again
+  };
   model.on("change:height", size);
   model.on("change:_carried", again);
+  model.on("change:address", again);
   frame.srcdoc = PAGE;
   el.append(frame);
   return () => {
     model.off("change:height", size);
     model.off("change:_carried", again);
+    model.off("change:address", again);
     end();
     frame.remove();
   };

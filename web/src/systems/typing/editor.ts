@@ -93,9 +93,14 @@ export class Editor {
   }
 
   private adopt(draft: Draft): void {
+    this.open(draft);
+    this.change(draft);
+  }
+
+  /** Shows what somebody else has typed. */
+  open(draft: Draft): void {
     this.draft = draft;
     this.fill();
-    this.change(draft);
   }
 
   /** What is typed is no longer what an example is called; with other numbers it still is. */

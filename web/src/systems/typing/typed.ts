@@ -25,7 +25,11 @@ export class TypedPage {
   private readonly editor: Editor;
   /** The empty panels, from which those of another system are made. */
   private readonly empty = document.querySelector("main") as HTMLElement;
+  /** What an address says of the state of the next system, and whether that is to play where somebody outside says so. */
   private rest = "";
+  private playing: boolean | null = null;
+  /** What is wrong with what is typed, as it was last reported. */
+  private wrong = "";
 
   constructor() {
     document.documentElement.dataset.typed = "1";
@@ -44,6 +48,7 @@ export class TypedPage {
   }
 
   async begin(): Promise<void> {
+    place().follow({ adopt: (...said) => this.adopt(...said), tell });
     void this.compiler.ask(this.draft, null, (found) => this.take(found));
     try {
       this.client = await Client.start((update) => this.page?.take(update), (message) => this.page?.refuse(message));
@@ -71,15 +76,46 @@ export class TypedPage {
   private change(draft: Draft): void {
     this.draft = draft;
     void this.compiler.ask(draft, this.start(), (found) => this.take(found));
-    place().keep(() => this.address(), false);
+    this.keep();
+  }
+
+  private keep(): void {
+    place().keep(() => this.address(), this.page?.now.playing ?? false);
+  }
+
+  /** What was typed, and its state, as somebody outside set them; where it is the same system, what is wrong in a field stays. */
+  private adopt(address: string, playing: boolean, sameTime: boolean): void {
+    this.wrong = "";
+    try {
+      const { draft, rest } = draftRead(address);
+      if (this.page && checksum(draft) === this.made?.system.id) {
+        this.page.adopt(rest || written(this.made.system, this.page.now), playing, sameTime);
+        return;
+      }
+      [this.rest, this.playing] = [rest, playing];
+      this.draft = draft;
+      this.editor.open(draft);
+      // what the page has is told once this is read
+      void this.compiler.ask(draft, this.start(), (found) => this.take(found));
+    } catch (error) {
+      tell(`This state cannot be shown: ${(error as Error).message}.`);
+      this.keep();
+    }
+  }
+
+  private report(wrong: string): void {
+    if (wrong !== this.wrong) place().report((this.wrong = wrong));
   }
 
   private take(found: Made | NotMade): void {
     if (!found.made) {
       this.editor.wrong(found);
+      this.report(found.message);
+      this.keep();
       if (!this.page) this.showExample();
       return;
     }
+    this.report("");
     this.draft = this.good = this.editor.right(found);
     const system = { ...found.system, id: checksum(this.draft) };
     const made = { ...found, system };
@@ -90,11 +126,12 @@ export class TypedPage {
         // the formula may have been mended since, of the draft that the address has
         query.set("system", system.id);
         state = read(system, query.toString());
+        if (this.playing !== null) state = { ...state, playing: this.playing };
       } catch (error) {
         tell(`The state in this address cannot be read: ${(error as Error).message}. The system is shown from its own start.`);
       }
-      this.rest = "";
     }
+    [this.rest, this.playing] = ["", null];
     this.show(made, state);
   }
 
@@ -105,10 +142,10 @@ export class TypedPage {
     const shape = (one: typeof system) => JSON.stringify([one.components, one.turns, one.vector_length, one.unit, one.invariants?.names]);
     const isSame = before !== undefined && shape(before) === shape(system);
     this.made = made;
-    if (this.page && isSame && state === null) {
+    if (this.page && isSame) {
       // an example begins where it begins
       const own = before.start.join() !== system.start.join() ? system.start.map(exact) : null;
-      this.page.replace(system, own);
+      this.page.replace(system, own, state);
     } else {
       this.anew(made, state);
     }
@@ -132,10 +169,11 @@ export class TypedPage {
 
   /** The draft and the state, as they are now. */
   private address(): string {
-    const draft = draftWritten(this.draft).toString();
+    const kept = place().keepsMistakes || !this.made ? this.draft : this.good;
+    const draft = draftWritten(kept).toString();
     if (!this.page || !this.made) return draft;
     const state = new URLSearchParams(written(this.made.system, this.page.now));
-    state.set("system", checksum(this.draft));
+    state.set("system", checksum(kept));
     return `${draft}&${state}`.replaceAll("%2C", ",").replaceAll("%2F", "/").replaceAll("%3A", ":").replaceAll("%3B", ";").replaceAll("%5E", "^").replaceAll("%28", "(").replaceAll("%29", ")");
   }
 
