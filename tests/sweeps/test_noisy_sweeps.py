@@ -155,11 +155,13 @@ def quiet_at_a_half(s):
     return shaken(s).system if s == 0.5 else shaken(s)
 
 
-def test_a_point_without_noise_among_others_has_no_system():
-    """An amplitude of 0 is no noise; a limit of exponents with noise is none without."""
+def test_a_point_of_amplitude_zero_is_a_run_without_noise(whole):
     found = lp.sweep(**SPEC | {"axes": {"s": [0.0, 0.25]}})
-    assert found.outcome[:, 0].tolist() == ["no system", "finished"]
-    assert "wanted functions that move something" in found.remarks[0]
+    run = alone(lp.stochastic.NoisySystem(shaken().system, []), lp.sample_states(shaken().system, 3, seed=5), t_end=10.0, seed=5)
+    np.testing.assert_array_equal(found.value, [run.exponent, whole.value[0]])
+
+
+def test_a_point_without_noise_among_others_has_no_system():
     found = lp.sweep(**SPEC | {"system": quiet_at_a_half, "axes": {"s": [0.25, 0.5]}})
     assert found.outcome[:, 0].tolist() == ["finished", "no system"]
     assert "wanted noise at all points or at none" in found.remarks[0]

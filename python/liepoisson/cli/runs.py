@@ -208,7 +208,7 @@ def noise_lines(run: Any) -> list[str]:
     if not hasattr(run, "noises"):
         return []
     damped = f"; inverse temperature {run.inverse_temperature:g}" if run.inverse_temperature else ""
-    return [f"noise    {', '.join(run.noises)}{damped}; seed {run.seed}"]
+    return [f"noise    {', '.join(run.noises) or 'none'}{damped}; seed {run.seed}"]
 
 
 def check_that_some_finished(outcome: NDArray[Any]) -> None:
