@@ -47,7 +47,9 @@ def test_what_no_path_changes_has_no_passages(function, change, words):
 
 def test_energy_which_noise_moves_has_passages():
     body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
-    run = lp.stochastic.first_passages(body, [0, 0, 1], function="l1^2/2 + l2^2/4 + l3^2/6 - 1/5", noises=EACH, t_end=20, method=STEP)
+    run = lp.stochastic.first_passages(
+        body, [0, 0, 1], function="l1^2/2 + l2^2/4 + l3^2/6 - 1/5", noises=EACH, t_end=20, method=STEP
+    )
     assert run.passed.all()
 
 

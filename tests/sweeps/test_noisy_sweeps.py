@@ -157,7 +157,9 @@ def quiet_at_a_half(s):
 
 def test_a_point_of_amplitude_zero_is_a_run_without_noise(whole):
     found = lp.sweep(**SPEC | {"axes": {"s": [0.0, 0.25]}})
-    run = alone(lp.stochastic.NoisySystem(shaken().system, []), lp.sample_states(shaken().system, 3, seed=5), t_end=10.0, seed=5)
+    run = alone(
+        lp.stochastic.NoisySystem(shaken().system, []), lp.sample_states(shaken().system, 3, seed=5), t_end=10.0, seed=5
+    )
     np.testing.assert_array_equal(found.value, [run.exponent, whole.value[0]])
 
 
