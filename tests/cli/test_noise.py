@@ -144,7 +144,6 @@ REFUSED = {
     "decide": (("decide",), "a path of noise has none"),
     "section": (("section", *START), "a path of noise has none"),
     "equilibria": (("equilibria",), "a path of noise has none"),
-    "inspect": (("inspect",), "a path of noise has none"),
 }
 
 
@@ -154,6 +153,14 @@ def test_what_noise_does_not_have_is_refused(command, file, line, words):
     code, _, err = command(name, file, *options)
     assert code == 2
     assert words in err
+
+
+def test_inspect_says_what_noise_keeps(command, file):
+    code, out, err = command("inspect", file, "--format", "json")
+    assert (code, err) == (0, "")
+    record = json.loads(out)
+    assert (record["name"], record["noise"]["constant"]) == ("shaken body", ["C1"])
+    assert record["noise"]["inverse_temperature"] == "2"
 
 
 def test_a_law_of_noise_needs_noise(command):

@@ -58,6 +58,13 @@ def test_orbits_sections_and_exponents_take_the_file(command, file):
     assert "finished 2" in out
 
 
+def test_inspect_says_what_damping_keeps(command, file):
+    code, out, err = command("inspect", file)
+    assert (code, err) == (0, "")
+    assert "H falls (proved)" in out
+    assert "Casimirs" in out
+
+
 def test_commands_for_systems_refuse_it(command, file):
     code, _, err = command("equilibria", file, "--leaf", "C1=0,C2=1")
     assert code == 2

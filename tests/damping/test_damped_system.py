@@ -213,7 +213,7 @@ def test_what_needs_a_bracket_is_told_where_it_is():
     with pytest.raises(AttributeError, match=r"system\.undamped"):
         _ = lp.dissipation.double_bracket(EULER).bracket
     with pytest.raises(lp.errors.ParameterError, match=r"give system\.undamped"):
-        lp.inspect(lp.dissipation.double_bracket(EULER))
+        lp.Leaf(lp.dissipation.double_bracket(EULER), {})
 
 
 def test_semidefinite_forms_are_known():
