@@ -30,6 +30,16 @@ def test_a_file_with_damping_relaxes_as_in_python(command, file, tmp_path):
     assert float(rows[-1]["energy"]) == found.energy[-1]
 
 
+def test_a_relaxation_is_written_and_drawn(command, file, tmp_path):
+    path, figure = tmp_path / "way.nc", tmp_path / "way.png"
+    code, out, err = command("relax", file, *START, "--out", path, "--figure", figure)
+    assert (code, err) == (0, "")
+    assert f"wrote    {path}\nwrote    {figure}\n" in out
+    found = lp.load(path)
+    assert f"ends at  {', '.join(f'{value:.9g}' for value in found.equilibrium.state)}" in out
+    assert figure.exists()
+
+
 def test_a_system_relaxes_on_a_leaf_with_an_integral(command):
     code, out, _ = command("relax", "lagrange", "--leaf", "C1=0.2,C2=1", "--along", "l3=1/2")
     assert code == 0

@@ -139,8 +139,8 @@ def first_passages(
         FirstPassages; a trajectory that has not passed at `t_end` has the outcome "finished" and no time.
 
     Raises:
-        ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`; also a start on the surface, or a function
-            that is constant along every path.
+        ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`; also a start on the surface, or a
+            function that is constant along every path.
         KeyboardInterrupt: Ctrl-C.
 
     References:

@@ -95,7 +95,8 @@ class Report:
     def record(self) -> dict[str, Any]:
         """The report as data that JSON can write.
 
-        `name`, `source` and one entry per topic: `damping` or `noise` where there is some, `algebra`, `extension`, `bracket` (with `jacobi`), `casimirs`, `rank`,
+        `name`, `source` and one entry per topic: `damping` or `noise` where there is some, `algebra`, `extension`,
+        `bracket` (with `jacobi`), `casimirs`, `rank`,
         `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`, `kernel`.  A formula is an object with `text`
         (ASCII), `unicode`, `latex` and, where it is a function on phase space, `expression`: the same in components,
         in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
