@@ -96,10 +96,10 @@ class Report:
         """The report as data that JSON can write.
 
         `name`, `source` and one entry per topic: `damping` or `noise` where there is some, `algebra`, `extension`,
-        `bracket` (with `jacobi`), `casimirs`, `rank`,
-        `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`, `kernel`.  A formula is an object with `text`
-        (ASCII), `unicode`, `latex` and, where it is a function on phase space, `expression`: the same in components,
-        in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
+        `bracket` (with `jacobi`), `casimirs`, `rank`, `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`,
+        `kernel`.  A formula is an object with `text` (ASCII), `unicode`, `latex` and, where it is a function on phase
+        space, `expression`: the same in components, in the grammar of system files.  A proof is a Boolean (`proved`,
+        `verified`, `complete`) beside what was proved.
         Where the Jacobi identity fails, there is no `casimirs`, `rank`, `strata`, `symmetries`.  Where a stratum is not
         proved, sets of lower rank may be missing among the `strata`.  `definitions` say what signs in the formulas
         beside them mean where this is not usual, as the scalar product of so(2,1).  A part that was left out for
