@@ -1,6 +1,7 @@
 r"""Laws of damping: the energy falls, or the entropy rises, at the stated rate, and what is to be kept is kept."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -207,6 +208,15 @@ def test_matrices_are_kept_as_they_were_when_the_damping_was_made():
     once = lp.dissipation.metriplectic(EULER, "C1", forms=(iter(form) for form in ([1, 1, 1], [1, 2, 3])))
     assert pickle.loads(pickle.dumps(once)).damping.forms == ((1, 1, 1), (1, 2, 3))
     assert "forms" in once.file_text()
+
+
+def test_what_a_refusal_of_an_entropy_advises_is_taken():
+    with pytest.raises(lp.errors.BracketError) as caught:
+        lp.dissipation.metriplectic(EULER, "l1^2")
+    advised = re.findall(r'entropy="([^"]+)"', str(caught.value))
+    assert advised == ["C1", "(l1^2 + l2^2 + l3^2)^2"]
+    for entropy in advised:
+        assert str(lp.dissipation.metriplectic(EULER, entropy).laws[0]) == "S rises (proved)"
 
 
 def test_what_needs_a_bracket_is_told_where_it_is():
