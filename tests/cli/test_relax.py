@@ -30,6 +30,7 @@ def test_a_file_with_damping_relaxes_as_in_python(command, file, tmp_path):
     assert float(rows[-1]["energy"]) == found.energy[-1]
 
 
+@pytest.mark.thorough
 def test_a_relaxation_is_written_and_drawn(command, file, tmp_path):
     path, figure = tmp_path / "way.nc", tmp_path / "way.png"
     code, out, err = command("relax", file, *START, "--out", path, "--figure", figure)

@@ -159,6 +159,7 @@ WAYS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("system", "start", "options"), WAYS.values(), ids=[*WAYS])
 def test_a_file_gives_the_relaxation_back(system, start, options, tmp_path):
     found = relax(system, start, **options)
@@ -171,6 +172,7 @@ def test_a_file_gives_the_relaxation_back(system, start, options, tmp_path):
         np.testing.assert_array_equal(again.spectrum, found.spectrum)
 
 
+@pytest.mark.thorough
 def test_the_figure_shows_the_energy_above_the_equilibrium():
     found = relax(lp.dissipation.double_bracket(EULER, "1/10"), [1, 1, 1])
     (axes,) = lp.plot.draw(found).axes

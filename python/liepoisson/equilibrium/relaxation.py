@@ -100,7 +100,8 @@ class Relaxation(Kept):
     def records(self) -> dict[str, Any]:
         """The orbit, how it ended, and whether an equilibrium is near its end."""
         orbit = {name: getattr(self, name).tolist() for name in ("time", "state", "energy")}
-        return {"record": orbit | {"outcome": self.outcome, "gap": self.gap, "has_end": self.equilibrium is not None}}
+        others = {"outcome": self.outcome, "gap": self.gap, "has_end": self.equilibrium is not None}
+        return {"record": orbit | others | {"undamped": self.flow.undamped.name}}
 
     @classmethod
     def of_record(cls, record: Any, system: Any) -> Self:
@@ -110,6 +111,7 @@ class Relaxation(Kept):
             Exception: of many kinds, if something is missing or altered.
         """
         time, state, energy = (np.array(record[name]) for name in ("time", "state", "energy"))
+        system.undamped.name = record["undamped"]  # the text of a damped system has one name alone
         leaf = Leaf.through(system.undamped, state[0])
         end = equilibrium_near(leaf.system, state[-1]) if record["has_end"] else None
         return cls(system, leaf, time, state, energy, record["outcome"], end, record["gap"])
