@@ -15,7 +15,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.sweeps.identity import digest_of
 from liepoisson.sweeps.store import OtherSweepError
 
-TABLES = tomllib.loads((Path(__file__).parents[1] / "data" / "shaken-body.toml").read_text())
+TABLES = tomllib.loads((Path(__file__).parents[1] / "data" / "shaken-body.toml").read_text(), parse_float=str)
 STEP = lp.Splitting(step=0.1)
 SPEC = {
     "system": TABLES,
