@@ -3,6 +3,7 @@
 import gc
 import os
 import pickle
+import shutil
 import signal
 import time
 from pathlib import Path
@@ -85,6 +86,12 @@ def nothing_is_left_behind():
     yield
     left = sorted(path.name for path in set(ROOT.iterdir()) - before if not path.name.startswith("."))
     assert not left, f"tests left {', '.join(left)} in {ROOT}; let them write below tmp_path"
+
+
+@pytest.fixture
+def shaken_body(tmp_path):
+    """A file of a system with noise, body.toml in the folder of the test."""
+    return shutil.copy(ROOT / "tests" / "data" / "shaken-body.toml", tmp_path / "body.toml")
 
 
 @pytest.fixture(scope="session")

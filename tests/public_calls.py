@@ -255,10 +255,11 @@ def _of_brackets(add):
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
         turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}
         add(f"brackets.{name}.in_variables", "variables:v inverse:v", given, **(bent if name == "Bracket" else turned))
-    rods = {"C": "x - k", "D": "y*z - b"}
-    pins = {"C": "l1 + b", "D": "l2"}
+    rods = {"C": "x - k", "D": "y*z - b - a1"}
+    pins = {"C": "l1 + b + a1", "D": "l2"}
+    words, values = "constraints:w parameters:c symbols:o", {"parameters": {"a": [1, 2]}, "symbols": ["b"]}
     for name, given, constraints in (("Bracket", so3 @ lp.trivial(), pins), ("PoissonTensor", tensor, rods)):
-        add(f"brackets.{name}.dirac_bracket", "constraints:w symbols:o", given, constraints=constraints, symbols=["b"])
+        add(f"brackets.{name}.dirac_bracket", words, given, constraints=constraints, **values)
     for name, given, one in (("Bracket", so3 @ lp.trivial(), "l3"), ("PoissonTensor", tensor, "x + z")):
         parts = {"u": one, "v": f"({one})^2"}
         add(f"brackets.{name}.in_invariants", "invariants:v levels:v", given, invariants=parts, levels={"L": one})

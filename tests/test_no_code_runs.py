@@ -199,6 +199,7 @@ DOORS = {
     "nambu": lambda x: lp.brackets.nambu(x, ["x", "y", "z"]),
     "nambu, factor": lambda x: lp.brackets.nambu("x", ["x", "y", "z"], factor=x),
     "dirac_bracket": lambda x: lp.canonical(1).dirac_bracket(["q1", x]),
+    "dirac_bracket, parameters": lambda x: lp.canonical(1).dirac_bracket(["q1 - k", "p1"], {"k": x}),
     "dirac_bracket, symbols": lambda x: lp.canonical(1).dirac_bracket(["q1", "p1"], symbols=[x]),
     "magnetic": lambda x: lp.brackets.magnetic([x]),
     "magnetic, charge": lambda x: lp.brackets.magnetic(["x"], charge=x),

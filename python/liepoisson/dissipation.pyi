@@ -4,5 +4,4 @@ from liepoisson.damping.damped_system import Damping as Damping
 from liepoisson.damping.damped_system import Law as Law
 from liepoisson.damping.damped_system import double_bracket as double_bracket
 from liepoisson.damping.damped_system import metriplectic as metriplectic
-from liepoisson.equilibrium.relaxation import Relaxation as Relaxation
 from liepoisson.equilibrium.relaxation import relax as relax

@@ -2,6 +2,7 @@
 from liepoisson.equilibrium.equilibrium_families import EquilibriumFamily as EquilibriumFamily
 from liepoisson.equilibrium.equilibrium_families import EquilibriumFamilyPoint as EquilibriumFamilyPoint
 from liepoisson.equilibrium.equilibrium_list import Equilibria as Equilibria
+from liepoisson.equilibrium.relaxation import Relaxation as Relaxation
 from liepoisson.equilibrium.sleeping import SleepingTop as SleepingTop
 from liepoisson.equilibrium.stability import Equilibrium as Equilibrium
 from liepoisson.indicators.alignment import Alignment as Alignment

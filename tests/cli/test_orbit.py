@@ -87,6 +87,13 @@ def test_values_of_a_leaf_are_taken_together_and_those_that_are_left_out_are_kep
     assert find_start(twisted, Where(leaf=["C1=2", "C2=1/2,C3=1"])).leaf.casimirs == {"C1": 2, "C2": 0.5, "C3": 1}
 
 
+def test_assignments_are_separated_by_commas_or_options(command):
+    name = "twisted-kovalevskaya"
+    _, apart, _ = command("orbit", name, "--start", "l=1,0,0", "--start", "alpha=0,0,2", *SHORT)
+    _, together, _ = command("orbit", name, "--start", "l=1,0,0,alpha=0,0,2", *SHORT)
+    assert together == apart
+
+
 def test_a_degenerate_leaf_is_named(command):
     _, out, _ = command("orbit", "twisted-kovalevskaya", "--start", "l=1,0,0", "--start", "alpha=0,0,2", *SHORT)
     assert "leaf     dimension 4, beta = 0, alpha != 0: " in out

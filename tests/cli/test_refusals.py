@@ -47,6 +47,8 @@ REFUSED = (
     ("orbit kovalevskaya --start l=1,2", "--start l must have 3 numbers; got 2"),
     ("orbit kovalevskaya --start gamma=1", "must name a field or a component; got 'gamma'. Known: l, alpha, l1"),
     ("orbit kovalevskaya --start l=1,2,3 --start l2=1", "each component once; l2 comes twice"),
+    ("orbit kovalevskaya --start l=1,2,3,l2=1", "each component once; l2 comes twice"),
+    ("orbit kovalevskaya --start 1,l2=1", "must be name=value; got '1'"),
     ("orbit kovalevskaya --start l=1,2,x", "x: the name 'x' is unknown"),
     ("orbit kovalevskaya --start 1,2,3 --start l=1,2,3", "must be name=value; got '1,2,3'"),
     ("orbit kovalevskaya --start alpha=0,0,1 --leaf C2=2", "it has C2 = 1 instead of 2"),

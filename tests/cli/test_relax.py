@@ -30,6 +30,17 @@ def test_a_file_with_damping_relaxes_as_in_python(command, file, tmp_path):
     assert float(rows[-1]["energy"]) == found.energy[-1]
 
 
+@pytest.mark.thorough
+def test_a_relaxation_is_written_and_drawn(command, file, tmp_path):
+    path, figure = tmp_path / "way.nc", tmp_path / "way.png"
+    code, out, err = command("relax", file, *START, "--out", path, "--figure", figure)
+    assert (code, err) == (0, "")
+    assert f"wrote    {path}\nwrote    {figure}\n" in out
+    found = lp.load(path)
+    assert f"ends at  {', '.join(f'{value:.9g}' for value in found.equilibrium.state)}" in out
+    assert figure.exists()
+
+
 def test_a_system_relaxes_on_a_leaf_with_an_integral(command):
     code, out, _ = command("relax", "lagrange", "--leaf", "C1=0.2,C2=1", "--along", "l3=1/2")
     assert code == 0
@@ -56,6 +67,13 @@ def test_orbits_sections_and_exponents_take_the_file(command, file):
     assert "  l      1, 0, 1\n  alpha  0.6, 0, 0.8\n" in out
     _, out, _ = command("lyapunov", file, "--spectrum", "--starts", 2, "--t-end", 100)
     assert "finished 2" in out
+
+
+def test_inspect_says_what_damping_keeps(command, file):
+    code, out, err = command("inspect", file)
+    assert (code, err) == (0, "")
+    assert "H falls (proved)" in out
+    assert "Casimirs" in out
 
 
 def test_commands_for_systems_refuse_it(command, file):

@@ -1,6 +1,7 @@
 r"""Laws of damping: the energy falls, or the entropy rises, at the stated rate, and what is to be kept is kept."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -209,11 +210,20 @@ def test_matrices_are_kept_as_they_were_when_the_damping_was_made():
     assert "forms" in once.file_text()
 
 
+def test_what_a_refusal_of_an_entropy_advises_is_taken():
+    with pytest.raises(lp.errors.BracketError) as caught:
+        lp.dissipation.metriplectic(EULER, "l1^2")
+    advised = re.findall(r'entropy="([^"]+)"', str(caught.value))
+    assert advised == ["C1", "(l1^2 + l2^2 + l3^2)^2"]
+    for entropy in advised:
+        assert str(lp.dissipation.metriplectic(EULER, entropy).laws[0]) == "S rises (proved)"
+
+
 def test_what_needs_a_bracket_is_told_where_it_is():
     with pytest.raises(AttributeError, match=r"system\.undamped"):
         _ = lp.dissipation.double_bracket(EULER).bracket
     with pytest.raises(lp.errors.ParameterError, match=r"give system\.undamped"):
-        lp.inspect(lp.dissipation.double_bracket(EULER))
+        lp.Leaf(lp.dissipation.double_bracket(EULER), {})
 
 
 def test_semidefinite_forms_are_known():

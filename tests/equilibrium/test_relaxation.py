@@ -1,5 +1,6 @@
 r"""Relaxation ends at the minima that the theory and the algebra name, at the rate of the linearised flow."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import sympy
@@ -148,6 +149,39 @@ def test_in_other_units_it_arrives_alike():
     one, other = relax(EULER, [1, 1, 1]), relax(EULER, [c, c, c])
     assert other.outcome == "arrived"
     assert np.abs(np.abs(other.equilibrium.state) / c - np.abs(one.equilibrium.state)).max() < 1e-12
+
+
+WAYS = {
+    "own damping": (lp.dissipation.double_bracket(HEAVY, "g", parameters={"g": "1/3"}), START, {}),
+    "along an integral": (LAGRANGE, START, {"along": {"l3": "1/2"}}),
+    "no equilibrium": (lp.System(lp.canonical(1), "dot(p, p)/2 - q1^4/4"), [1, 0], {}),
+    "not arrived": (EULER, [1, 1, 1], {"t_end": 1}),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("system", "start", "options"), WAYS.values(), ids=[*WAYS])
+def test_a_file_gives_the_relaxation_back(system, start, options, tmp_path):
+    found = relax(system, start, **options)
+    again = lp.load(found.save(tmp_path / "way.nc"))
+    assert repr(again) == repr(found)
+    assert again.to_dataframe().equals(found.to_dataframe())
+    assert repr(again.equilibrium) == repr(found.equilibrium)
+    if found.equilibrium is not None:
+        np.testing.assert_array_equal(again.equilibrium.state, found.equilibrium.state)
+        np.testing.assert_array_equal(again.spectrum, found.spectrum)
+
+
+@pytest.mark.thorough
+def test_the_figure_shows_the_energy_above_the_equilibrium():
+    found = relax(lp.dissipation.double_bracket(EULER, "1/10"), [1, 1, 1])
+    (axes,) = lp.plot.draw(found).axes
+    time, above = axes.lines[0].get_data()
+    assert (axes.get_yscale(), axes.get_ylabel()) == ("log", "energy above the equilibrium")
+    np.testing.assert_array_equal(above, found.energy[np.isin(found.time, time)] - found.equilibrium.energy)
+    (axes,) = lp.plot.draw(relax(lp.System(lp.canonical(1), "p1^2/2 - q1^4/4"), [1, 0])).axes
+    assert (axes.get_yscale(), axes.get_ylabel()) == ("linear", "energy")
+    plt.close("all")
 
 
 WRONG = {

@@ -194,9 +194,14 @@ def test_what_cannot_be_viewed_is_refused():
     rod = lp.orbits.rod(lp.Top.lagrange(axial="sqrt(2)", a3=1), START, length=2)
     parameters = {"I": ["moment", 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0], "epsilon": 1}
     sweep = lp.sweep(system="twisted-top", parameters=parameters, axes={"moment": [-1, 2]}, n_starts=2, t_end=20)
+    noisy = lp.stochastic.NoisySystem(lp.System(lp.so(3) @ lp.trivial(), "l3"), "l1")
+    path = lp.stochastic.noisy_orbits(noisy.system, [1, 0, 0], **noisy.noise, t_end=1, method=lp.Splitting(0.5))
+    noises = lp.sweep(system=noisy, axes={"energy": [0.1]}, n_starts=1, t_end=1, method=lp.Splitting(0.5))
     one_of = r"at one of its points.*from point=0 \(moment = -1\) to point=1 \(moment = 2\)"
     for shown, given, words in (
         (3, {}, "a system, a top, an orbit, a section, a rod or a sweep; got"), (lp.Top, {}, "or a sweep; got"),
+        (noisy, {}, r"got 'NoisySystem'. View its `\.system` instead"), (path, {}, r"View its `\.system` instead"),
+        (noises, {}, r"a path of noise has none. View a system without its noise, lp\.view\(noisy\.system\)"),
         (growth, {}, r"got 'FiniteTimeExponents'. View its `\.system` instead"),
         (rod, {}, r"parameters that are fractions or decimals.*lp\.plot\.rod"),
         (TOP, {"point": 0}, "is one of a"), (orbit, {"point": 0}, "is one of a"), (TOP, {"trajectory": 1}, "one of a"),

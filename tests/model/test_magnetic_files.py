@@ -78,7 +78,7 @@ REFUSED = {
     "a divergence for a charge": ('magnetic = ["x", "0", "1"]', "magnetic.*div B"),
     "one formula": ('magnetic = "1"', "magnetic.*three formulas"),
     "a wrong name": ('magnetic = ["0", "0", "k"]', "magnetic.*k"),
-    "no mass": (f"{FIELD}\nmass = 0", "mass must not be zero"),
+    "no mass": (f"{FIELD}\nmass = 0", "mass: wanted a positive number; got 0"),
     "a charge without a field": ('algebra = "so(3)"\ncharge = 2', "charge.*only a bracket"),
     "a false Casimir": (f'{FIELD}\ncasimirs = ["x"]', "casimirs"),
 }  # fmt: skip

@@ -31,6 +31,28 @@ def test_a_trajectory_that_does_not_pass_has_no_time():
     assert found.outcome.tolist() == ["finished"]
 
 
+CONSTANT = {
+    "a number": ("1", {}, "constant on each leaf"),
+    "a Casimir": ("l1^2 + l2^2 + l3^2 - 2", {}, "constant on each leaf"),
+    "a constant of motion of H and of the noise": ("l3 - 2", {"noises": ["l3", "l3^2/2"]}, "H and all noises"),
+}
+
+
+@pytest.mark.parametrize(("function", "change", "words"), CONSTANT.values(), ids=[*CONSTANT])
+def test_what_no_path_changes_has_no_passages(function, change, words):
+    options = {"noises": EACH, "t_end": 1, "method": STEP} | change
+    with pytest.raises(ParameterError, match=f"function: .* {words}"):
+        lp.stochastic.first_passages(ROUND, [0, 0, 1], function=function, **options)
+
+
+def test_energy_which_noise_moves_has_passages():
+    body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+    run = lp.stochastic.first_passages(
+        body, [0, 0, 1], function="l1^2/2 + l2^2/4 + l3^2/6 - 1/5", noises=EACH, t_end=20, method=STEP
+    )
+    assert run.passed.all()
+
+
 def test_a_passage_is_the_first_change_of_sign_of_the_orbits(monkeypatch):
     monkeypatch.setattr("liepoisson.noise.noise._NUMBERS", 50 * 15)  # many parts
     start, options = np.tile([0, 0, 1.0], (5, 1)), {"noises": ["l1", "l2"], "method": STEP, "seed": 4}
@@ -38,6 +60,7 @@ def test_a_passage_is_the_first_change_of_sign_of_the_orbits(monkeypatch):
     run = lp.stochastic.noisy_orbits(ROUND, start, times=np.linspace(0, 10, 501), **options)
     first = (run.state[:, :, 2] <= 0).argmax(axis=1)
     np.testing.assert_allclose(found.time, run.time[first], rtol=1e-14)
+    assert found.n_steps.tolist() == first.tolist()
     np.testing.assert_allclose(found.end_state, run.state[np.arange(5), first], atol=1e-13)
 
 
@@ -54,6 +77,7 @@ def test_paths_of_long_runs_do_not_depend_on_the_parts(monkeypatch):
             ROUND, [0, 0, 1], "l3", edges=[-1, 0, 1], n_samples=19_000, transient=10, **LONG
         )
         found.append((passage.end_state, law.fraction))
+        assert passage.n_steps.tolist() == [20_000]
     np.testing.assert_array_equal(found[0][0], found[1][0])
     np.testing.assert_array_equal(found[0][1], found[1][1])
     run = lp.stochastic.noisy_orbits(

@@ -172,7 +172,7 @@ def test_what_the_data_cannot_tell_is_named():
     spring = lp.System(lp.canonical(1, names=["q"]), "c*(p_q^2/2 + k*q^2/2)", {"c": 1, "k": 2})
     t = np.linspace(0, 2, 9)
     product = fit_of(spring, {"t": t, "q": np.cos(np.sqrt(2) * t)}, ["c", "k", "p_q"], starts={"p_q": "1/100"})
-    assert product.ending == "converged"
+    assert product.ending == "not determined"
     assert len(product.undetermined) == 1
     assert product.value[0] ** 2 * product.value[1] == pytest.approx(2, abs=1e-9)
     still = lp.System(lp.canonical(1, names=["q"]), "p_q^2/2 + k*q^2/2 + c*q^3", {"k": 1, "c": 1})
@@ -252,6 +252,12 @@ def test_an_unknown_stays_within_its_bounds():
     assert fit.error[1] > 0
     fit = fit_of(pendulum(12), data, ["g", "p_theta"], starts=[0.4, 0], bounds={"g": (10, None)})
     assert (fit.ending, fit.value[0]) == ("at a bound", 10)
+    for bounds, words in (
+        ({"g": (9, None)}, "9 to inf for g; got 8; give another value"),
+        ({"p_theta": (-2, -1)}, "start"),
+    ):
+        with pytest.raises(ParameterError, match=f"wanted a guess within them.*{words}"):
+            fit_of(pendulum(8), data, ["g", "p_theta"], starts=[0.4, 0], bounds=bounds)
     fit = fit_of(pendulum(8), data, ["g", "p_theta"], starts=[0.4, 0], bounds={"g": (0, 20), "p_theta": (-1, 1)})
     np.testing.assert_allclose(fit.value, [9.81, 0.1], atol=1e-10)
 
@@ -303,6 +309,18 @@ def test_a_fit_has_a_table_a_system_and_curves():
     np.testing.assert_allclose(curve, fit.predicted, atol=1e-12)
     assert time[-1] == fit.time[-1]
     assert "chi^2 = 138 with 118 degrees of freedom" in str(fit)
+
+
+def test_a_number_in_the_bracket_is_found_if_it_has_a_name():
+    r"""A charge in a plane, $\dot v_x = B v_y$, $\dot v_y = -B v_x$: a circle of radius 1/B."""
+    t, energy = np.linspace(0, 3, 31), "(v_x^2 + v_y^2)/2"
+    circle = {"t": t, "x": np.sin(1.2 * t) / 1.2, "y": (np.cos(1.2 * t) - 1) / 1.2}
+    named = lp.System(lp.brackets.magnetic(["B"], symbols=["B"]), energy, {"B": 1})
+    fit = fit_of(named, circle, ["B"], starts={"v_x": 1})
+    assert (fit.value[0], fit.ending) == (pytest.approx(1.2, abs=1e-9), "converged")
+    unnamed = lp.System(lp.brackets.magnetic(["B"], parameters={"B": 1}), energy)
+    with pytest.raises(ParameterError, match=r"got 'B'.* make the bracket with symbols=\[...\] instead"):
+        fit_of(unnamed, circle, ["B"], starts={"v_x": 1})
 
 
 DATA = {"t": [0.0, 1.0, 2.0], "theta": [0.1, 0.2, 0.3]}

@@ -109,6 +109,7 @@ def kept():
         lp.tori.fibre(sphere, [0.5, 0.2], n_states=5), lp.tori.period_lattice(pendulum, state, integrals=["l3/2"]),
         lp.tori.monodromy(pendulum, state, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]),
         lp.tori.molecule(sphere, 0), curves, lp.tori.lagrange_monodromy(curves),
+        lp.dissipation.relax(round_top, [0.2, 0, 1, 0.6, 0, 0.8]),
     ]  # fmt: skip
     return {type(one).kind: one for one in found}
 

@@ -273,6 +273,10 @@ def test_other_functions_and_parameters():
     assert named.poisson_tensor() == PENDULUM.bracket.poisson_tensor()
     assert named.symbols == {"d"}
     assert str(named.given_casimirs[0]) == "-d**2 + x**2 + y**2 + z**2"
+    valued = SPACE.dirac_bracket(["x^2 + y^2 + z^2 - d[1]^2", ON_SPHERE[1]], {"d": ["1/3", 2]})
+    assert (str(valued.given_casimirs[0]), valued.symbols) == ("x**2 + y**2 + z**2 - 1/9", set())
+    with pytest.raises(BracketError, match=r"d is a symbol of the bracket.* bracket.substitute\({'d': ...}\)"):
+        named.dirac_bracket(["x - d", "p_x"], {"d": 1})
 
 
 def test_a_start_where_the_rank_drops_has_an_outcome():

@@ -188,6 +188,17 @@ REFUSED = {
     "names of a guiding centre": (lambda: lp.brackets.guiding_centre(["0", "0", "1"], ["x"]), ShapeError, "four"),
     "a velocity": (lambda: lp.brackets.magnetic(["0", "0", "v_x"]), BracketError, "v_x"),
     "no mass": (lambda: lp.brackets.magnetic(["0", "0", "1"], mass=0), ParameterError, "mass"),
+    "a negative mass": (lambda: lp.brackets.magnetic(["0", "0", "1"], mass="sqrt(2) - 2"), ParameterError, "positive"),
+    "a negative mass of a guiding centre": (
+        lambda: lp.brackets.guiding_centre(["0", "0", "1"], mass=-1),
+        ParameterError,
+        "positive",
+    ),
+    "a negative value of a mass": (
+        lambda: lp.brackets.magnetic(["0", "0", "1"], mass="m", symbols=["m"]).substitute({"m": -1}),
+        ParameterError,
+        "positive",
+    ),
     "no charge": (lambda: lp.brackets.guiding_centre(["0", "0", "1"], charge=0), ParameterError, "charge"),
     "an unknown name": (lambda: lp.brackets.magnetic(["0", "0", "B"]), ExpressionError, "B"),
 }

@@ -4,6 +4,8 @@ import signal
 import subprocess
 import sys
 import textwrap
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +15,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.sweeps.identity import digest_of
 from liepoisson.sweeps.store import OtherSweepError
 
-TABLES = {
-    "name": "shaken body",
-    "bracket": {"algebra": "so(3)", "variables": ["l"]},
-    "parameters": {"I": [1, 2, 3], "s": "1/4", "beta": 2},
-    "hamiltonian": {"expression": "dot(l, inv(I)*l)/2"},
-    "noise": {"noises": ["s*l1", "s*l2", "s*l3"], "inverse_temperature": "beta"},
-}
+TABLES = tomllib.loads((Path(__file__).parents[1] / "data" / "shaken-body.toml").read_text(), parse_float=str)
 STEP = lp.Splitting(step=0.1)
 SPEC = {
     "system": TABLES,
@@ -155,11 +151,15 @@ def quiet_at_a_half(s):
     return shaken(s).system if s == 0.5 else shaken(s)
 
 
-def test_a_point_without_noise_among_others_has_no_system():
-    """An amplitude of 0 is no noise; a limit of exponents with noise is none without."""
+def test_a_point_of_amplitude_zero_is_a_run_without_noise(whole):
     found = lp.sweep(**SPEC | {"axes": {"s": [0.0, 0.25]}})
-    assert found.outcome[:, 0].tolist() == ["no system", "finished"]
-    assert "wanted functions that move something" in found.remarks[0]
+    run = alone(
+        lp.stochastic.NoisySystem(shaken().system, []), lp.sample_states(shaken().system, 3, seed=5), t_end=10.0, seed=5
+    )
+    np.testing.assert_array_equal(found.value, [run.exponent, whole.value[0]])
+
+
+def test_a_point_without_noise_among_others_has_no_system():
     found = lp.sweep(**SPEC | {"system": quiet_at_a_half, "axes": {"s": [0.25, 0.5]}})
     assert found.outcome[:, 0].tolist() == ["finished", "no system"]
     assert "wanted noise at all points or at none" in found.remarks[0]
@@ -207,25 +207,11 @@ count = 8
 name = "splitting"
 step = 0.05
 """
-BODY = """
-name = "shaken body"
-[bracket]
-algebra = "so(3)"
-variables = ["l"]
-[parameters]
-I = [1, 2, 3]
-s = 0.25
-[hamiltonian]
-expression = "dot(l, inv(I)*l)/2"
-[noise]
-noises = ["s*l1", "s*l2", "s*l3"]
-inverse_temperature = 2
-"""
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("shaken_body")
 def test_a_sweep_that_is_killed_three_times_is_the_one_that_was_not(tmp_path):
-    (tmp_path / "body.toml").write_text(BODY)
     (tmp_path / "sweep.toml").write_text(FILE)
     right, store = lp.sweep(tmp_path / "sweep.toml", threads=2), tmp_path / "killed.zarr"
     for pieces, threads in ((2, 1), (3, 2), (1, 1)):

@@ -21,7 +21,7 @@ from liepoisson.cli.options import (
     Where,
     show,
 )
-from liepoisson.cli.output import announce, data_file, name_of_files, result_files, write_result
+from liepoisson.cli.output import announce, data_file, name_of_files, write_result
 from liepoisson.cli.runs import (
     N_STARTS,
     EndTimeOption,
@@ -34,12 +34,13 @@ from liepoisson.cli.runs import (
     check_limits,
     check_that_some_finished,
     noise_lines,
+    read_run,
     running,
     unit_of_time,
     write_and_print,
 )
 from liepoisson.cli.starts import find_starts
-from liepoisson.cli.systems import read_numeric_equations, read_shaken_equations
+from liepoisson.cli.systems import read_numeric_equations
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -90,13 +91,12 @@ def lyapunov(
 
     A file with a table [noise] is followed on paths that --seed draws.  The exit code is 1 where no run finished.
     """
-    check_limits(seed=seed, **asdict(limits))
-    chosen: Any = read_shaken_equations(system, common.values)
+    what = "spectrum" if spectrum else "exponents"
+    chosen, data, stem = read_run(system, what, seed=seed, limits=limits, files=files, common=common)
     noise: dict[str, Any] | None = getattr(chosen, "noise", None)
     how = how.of_system(chosen)
     if noise is not None and spectrum:
         raise ParameterError("--spectrum has no exponents with noise: only the largest is computed. Leave it out.")
-    data, stem = result_files(files, chosen, common.values, "spectrum" if spectrum else "exponents")
     begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
     chosen = chosen if noise is None else chosen.system
     drawn, unit, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=_TIME, precision=precision)

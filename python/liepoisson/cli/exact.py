@@ -20,7 +20,7 @@ from liepoisson.cli.options import (
     show,
 )
 from liepoisson.cli.progress import listening
-from liepoisson.cli.systems import read_equations, read_file, read_system, with_symbols
+from liepoisson.cli.systems import read_equations, read_file, read_whole_system, with_symbols
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import FAMILY_LIMIT, SEARCH_LIMIT
 
@@ -51,14 +51,15 @@ def inspect(
     """Print what can be proved about a system.
 
     Algebra, extension, Jacobi identity, Casimirs, rank, leaves, symmetries, Hamiltonian, equations of motion and known
-    integrals; every proof is computed anew.  JSON has one object per topic (see `liepoisson.systems.Report`).
+    integrals; every proof is computed anew.  Of a file with a table [damping] or [noise] also what stays constant with
+    it; all else is about the system without.  JSON has one object per topic (see `liepoisson.systems.Report`).
 
     The exit code is 1 where something that is claimed turns out to be false: the Jacobi identity, or an integral that
     the file gives.
     """
     from liepoisson.report.describe import inspect as inspect_system
 
-    report = inspect_system(read_system(system, settings or ()))
+    report = inspect_system(read_whole_system(system, settings or ()))
     text = lambda _: report.text(terminal_style())  # noqa: E731
     show(report, format_, lambda _: report.record(), lambda _: [report.latex()], text=text)
     if report.failed:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 import typer
 
 from liepoisson.cli.options import Common, Files, Format, FormatOption, SeedOption, SystemArgument, Where, show
-from liepoisson.cli.output import result_files, write_figure, write_result
+from liepoisson.cli.output import write_figure, write_result
 from liepoisson.cli.runs import (
     DEFAULT_STEP,
     N_STARTS,
@@ -18,15 +18,14 @@ from liepoisson.cli.runs import (
     EnsembleOption,
     Limits,
     check_end_time,
-    check_limits,
     check_that_some_finished,
     named_method,
     noise_lines,
+    read_run,
     running,
     unit_of_time,
 )
 from liepoisson.cli.starts import Starts, find_starts, start_of
-from liepoisson.cli.systems import read_shaken_equations
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_double
 from liepoisson.noise.noisy_system import NoisySystem
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from liepoisson.inputs.arrays import Array
+    from liepoisson.model.system import System
     from liepoisson.noise.first_passages import FirstPassages
     from liepoisson.noise.stationary_law import StationaryLaw
 
@@ -49,9 +49,17 @@ STEP_HELP = f"Largest step of the splitting.  [default: {DEFAULT_STEP} natural t
 EDGES_HELP = "Edges of the bins, --edges -1,0,1; or bins of one width, --edges -1:1:20 for twenty of them."
 
 FunctionArgument: TypeAlias = Annotated[str, typer.Argument(help="A function of the state.", metavar="FUNCTION")]
-TrajectoriesOption: TypeAlias = Annotated[int, typer.Option(help=TRAJECTORIES_HELP)]
 EndOption: TypeAlias = Annotated[float, typer.Option(help=T_END_HELP)]
-StepOption: TypeAlias = Annotated[float | None, typer.Option(help=STEP_HELP)]
+
+
+@dataclass(frozen=True)
+class Paths:
+    """The trajectories, each on a path of its own, and their steps."""
+
+    trajectories: Annotated[int, typer.Option(help=TRAJECTORIES_HELP)] = N_STARTS
+    ensemble: EnsembleOption = None
+    seed: SeedOption = 0
+    step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None
 
 
 def stationary(
@@ -63,10 +71,7 @@ def stationary(
     transient: Annotated[float, typer.Option(help="Time before the first sample.")] = 0.0,
     samples: Annotated[int, typer.Option(help="Samples of each trajectory, at equal times.")] = 1000,
     where: Where,
-    trajectories: TrajectoriesOption = N_STARTS,
-    ensemble: EnsembleOption = None,
-    seed: SeedOption = 0,
-    step: StepOption = None,
+    paths: Paths,
     limits: Limits,
     files: Files,
     format_: FormatOption = Format.TEXT,
@@ -79,16 +84,12 @@ def stationary(
     """
     from liepoisson.noise.stationary_law import stationary_law
 
-    _check(t_end, trajectories, seed, limits)
     more: dict[str, Any] = {"edges": _edges(edges), "transient": transient, "n_samples": samples}
-    chosen: Any = read_shaken_equations(system, common.values)
-    path, stem = result_files(files, chosen, common.values, "law")
-    noisy = _with_noise(chosen)
-    drawn, options = _planned(noisy, where, trajectories, seed, ensemble=ensemble, step=step, limits=limits)
-    with running("sampling", trajectories * t_end, quiet=common.quiet) as listen:
-        found = stationary_law(noisy.system, drawn.states, function, t_end=t_end, **more, **options, progress=listen)
-    written = _written(found, path, stem)
-    show(found, format_, law_record, text=lambda _: "\n".join([*law_lines(found, drawn), *written]))
+    plan = _planned(system, "law", where, paths, t_end=t_end, limits=limits, files=files, common=common)
+    with running("sampling", paths.trajectories * t_end, quiet=common.quiet) as listen:
+        found = stationary_law(plan.system, plan.drawn.states, function, **more, **plan.options, progress=listen)
+    written = _written(found, plan.path, plan.stem)
+    show(found, format_, law_record, text=lambda _: "\n".join([*law_lines(found, plan.drawn), *written]))
     check_that_some_finished(found.outcome)
 
 
@@ -98,10 +99,7 @@ def passages(
     *,
     t_end: EndOption,
     where: Where,
-    trajectories: TrajectoriesOption = N_STARTS,
-    ensemble: EnsembleOption = None,
-    seed: SeedOption = 0,
-    step: StepOption = None,
+    paths: Paths,
     limits: Limits,
     files: Files,
     format_: FormatOption = Format.TEXT,
@@ -114,60 +112,57 @@ def passages(
     """
     from liepoisson.noise.first_passages import first_passages
 
-    _check(t_end, trajectories, seed, limits)
-    chosen: Any = read_shaken_equations(system, common.values)
-    path, stem = result_files(files, chosen, common.values, "passages")
-    noisy = _with_noise(chosen)
-    drawn, options = _planned(noisy, where, trajectories, seed, ensemble=ensemble, step=step, limits=limits)
-    with running("integrating", trajectories * t_end, quiet=common.quiet) as listen:
-        found = first_passages(noisy.system, drawn.states, function=function, t_end=t_end, **options, progress=listen)
+    plan = _planned(system, "passages", where, paths, t_end=t_end, limits=limits, files=files, common=common)
+    with running("integrating", paths.trajectories * t_end, quiet=common.quiet) as listen:
+        found = first_passages(plan.system, plan.drawn.states, function=function, **plan.options, progress=listen)
     some = bool(found.passed.any())
-    written = _written(found, path, stem if some else None)
-    show(found, format_, passages_record, text=lambda _: "\n".join([*passage_lines(found, drawn), *written]))
+    written = _written(found, plan.path, plan.stem if some else None)
+    show(found, format_, passages_record, text=lambda _: "\n".join([*passage_lines(found, plan.drawn), *written]))
     check_that_some_finished(found.outcome)
     if not some:
         raise typer.Exit(NO_RUN)
 
 
-def _check(t_end: float, trajectories: int, seed: int, limits: Limits) -> None:
-    """Refuse numbers that no run can have."""
-    check_end_time(t_end)
-    as_count(trajectories, "--trajectories", least=1, most=2**31, hint=f"try {N_STARTS}")
-    check_limits(seed=seed, **asdict(limits))
+@dataclass(frozen=True)
+class _Plan:
+    """What a run is of, where its trajectories start, its options, and the files that are wanted of it."""
 
-
-def _with_noise(found: Any) -> NoisySystem:
-    if not isinstance(found, NoisySystem):
-        raise ParameterError(
-            f"SYSTEM must be a file with a table [noise]; {found.name} has no noise. Write a system file with for "
-            'example noises = ["l1/2"] below [noise].'
-        )
-    return found
+    system: System
+    drawn: Starts
+    options: dict[str, Any]
+    path: Path | None
+    stem: Path | None
 
 
 def _planned(
-    noisy: NoisySystem,
-    where: Where,
-    n: int,
-    seed: int,
-    *,
-    ensemble: str | None,
-    step: float | None,
-    limits: Limits,
-) -> tuple[Starts, dict[str, Any]]:
-    """Where the trajectories start, and what a run takes: one start stands for all, each with a path of its own."""
-    method = {} if step is None else {"step": step}
+    system: str, what: str, where: Where, paths: Paths, *, t_end: float, limits: Limits, files: Files, common: Common
+) -> _Plan:
+    """All that is known before a run; what it cannot be made of is refused."""
+    check_end_time(t_end)
+    as_count(paths.trajectories, "--trajectories", least=1, most=2**31, hint=f"try {N_STARTS}")
+    noisy, path, stem = read_run(system, what, seed=paths.seed, limits=limits, files=files, common=common)
+    if not isinstance(noisy, NoisySystem):
+        raise ParameterError(
+            f"SYSTEM must be a file with a table [noise]; {noisy.name} has no noise. Write a system file with for "
+            'example noises = ["l1/2"] below [noise].'
+        )
+    method = {} if paths.step is None else {"step": paths.step}
     named_method("splitting", **method)  # refused before anything is computed
-    if where.start:
-        if ensemble is not None:
-            raise ParameterError("--ensemble and --start exclude each other: nothing is drawn. Leave --ensemble out.")
-        begin = start_of(noisy.system, where, seed)
-        words = f"{n} trajector{'y' if n == 1 else 'ies'} from one start"
-        drawn = Starts(np.tile(begin.state, (n, 1)), words, begin)
-    else:
-        drawn = find_starts(noisy.system, where, starts=n, default=N_STARTS, ensemble=ensemble, seed=seed)
+    drawn = _drawn(noisy.system, where, paths)
     chosen = named_method("splitting", unit=unit_of_time(noisy.system, drawn.states), **method)
-    return drawn, {**noisy.noise, "method": chosen, "seed": seed, **asdict(limits)}
+    options = {**noisy.noise, "t_end": t_end, "method": chosen, "seed": paths.seed, **asdict(limits)}
+    return _Plan(noisy.system, drawn, options, path, stem)
+
+
+def _drawn(system: System, where: Where, paths: Paths) -> Starts:
+    """Where the trajectories start: one start stands for all, each with a path of its own."""
+    n, ensemble = paths.trajectories, paths.ensemble
+    if not where.start:
+        return find_starts(system, where, starts=n, default=N_STARTS, ensemble=ensemble, seed=paths.seed)
+    if ensemble is not None:
+        raise ParameterError("--ensemble and --start exclude each other: nothing is drawn. Leave --ensemble out.")
+    begin = start_of(system, where, paths.seed)
+    return Starts(np.tile(begin.state, (n, 1)), f"{n} trajector{'y' if n == 1 else 'ies'} from one start", begin)
 
 
 def _edges(text: str) -> Array:

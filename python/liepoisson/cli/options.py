@@ -45,7 +45,7 @@ _HELP = {
     "seed": "Seed of what is drawn at random.",
     "on": "A function that vanishes on the level set that is searched: --on C1 --on C2-1.  "
     "[default: all of phase space]",
-    "start": "Where the orbit begins: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0.",
+    "start": "Where the orbit begins: all numbers, or by name, --start l=1,0,0,beta3=1; the others are 0.",
     "guess": "Like --start, but it is moved onto --leaf and --energy.  [default: trajectory 0 of the seed]",
     "leaf": "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf l.alpha=1/5; the others keep theirs.",
     "energy": "Value of the Hamiltonian, as in --energy 1.5 or --energy 3/2.",

@@ -55,9 +55,7 @@ T_END_HELP = (
 )
 _STEP_ROUNDING = 1e-9
 """A step that is longer than the time between kept points by this part of it is the same."""
-STATE_HELP = (
-    "A state on the leaf that is meant: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
-)
+STATE_HELP = "A state on the leaf that is meant: all numbers, or by name, --start l=1,0,0,beta3=1; the others are 0."
 ALONG_HELP = "An integral, by name or formula, along whose flow relative equilibria move, with its value: l3=1/2."
 STARTS_HELP = "Starts of a search, where algebra does not give the list.  [default: 200]"
 

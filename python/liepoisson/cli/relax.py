@@ -7,15 +7,25 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from liepoisson.cli.options import Common, SeedOfStartOption, SystemArgument, TableOption, Where
-from liepoisson.cli.output import TABLE_ENDINGS, announce, data_file, name_of_files, write_result
+from liepoisson.cli.options import (
+    Common,
+    FigureOption,
+    FoundOption,
+    PlotOption,
+    SeedOfStartOption,
+    SystemArgument,
+    Where,
+)
+from liepoisson.cli.output import announce, data_file, figure_stem, name_of_files
 from liepoisson.cli.progress import progress_bar
-from liepoisson.cli.runs import NO_RUN, TimeLimitOption, check_end_time, check_limits
+from liepoisson.cli.runs import NO_RUN, TimeLimitOption, check_end_time, check_limits, write_and_print
 from liepoisson.cli.starts import assignments, find_start, seed_of_start, start_lines
 from liepoisson.cli.systems import read_numeric_equations
 from liepoisson.formula.scalars import TIME_LIMIT
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from liepoisson.equilibrium.relaxation import Relaxation
 
 _ALONG = "An integral, by name or formula, with the rate of a steady rotation along its flow: l3=1/2."
@@ -30,13 +40,16 @@ def relax(
     seed: SeedOfStartOption = None,
     t_end: Annotated[float | None, typer.Option(help=_T_END)] = None,
     time_limit: TimeLimitOption = TIME_LIMIT,
-    out: TableOption = None,
+    out: FoundOption = None,
+    plot: PlotOption = False,
+    figure: FigureOption = None,
     common: Common,
 ) -> None:
     """Print the equilibrium to which damping leads a state on its leaf, a minimum of the energy, and its stability.
 
     A system is damped by the double bracket of the identity; a file with a table [damping] has its own.  Without
-    --start, a random state is taken; --leaf and --energy move it.  With --out, the way there is written.
+    --start, a random state is taken; --leaf and --energy move it.  With --out, the way there is written; a figure has
+    the energy above that of the equilibrium.
 
     The exit code is 1 where it does not arrive.
     """
@@ -47,10 +60,11 @@ def relax(
     check_end_time(t_end)
     drawn = seed_of_start(where, seed)
     check_limits(seed=drawn, time_limit=time_limit)
-    data = data_file(out, f"{name_of_files(chosen, common.values)}-relaxation.csv", endings=TABLE_ENDINGS)
+    name = f"{name_of_files(chosen, common.values)}-relaxation"
+    data, stem = data_file(out, f"{name}.nc"), figure_stem(plot, figure, name)
     own = chosen.undamped if isinstance(chosen, DampedSystem) else chosen
     begin = find_start(own, where, drawn)
-    announce("\n".join([f"{chosen.name}: relaxation", *start_lines(own, begin)]), (data,))
+    announce("\n".join([f"{chosen.name}: relaxation", *start_lines(own, begin)]), (data, stem))
     with progress_bar(quiet=common.quiet) as bar:
         if bar is not None:  # nobody knows how far it is
             bar("relaxing", 0.0, 1.0)
@@ -61,11 +75,16 @@ def relax(
             t_end=t_end,
             time_limit=time_limit,
         )
-    written = None if data is None else write_result(found, data)
-    print("\n".join([*relaxation_lines(found), *([f"wrote    {written}"] if written else [])]))
+    write_and_print(found, data, stem, draw=lambda: _drawn(found), lines=lambda: relaxation_lines(found))
     if found.outcome != "arrived":
         print(f"liepoisson: {_reason(found)}", file=sys.stderr)
         raise typer.Exit(NO_RUN)
+
+
+def _drawn(found: Relaxation) -> Figure:
+    from liepoisson.plot.results import draw
+
+    return draw(found)
 
 
 def relaxation_lines(found: Relaxation) -> list[str]:

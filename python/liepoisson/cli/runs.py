@@ -6,14 +6,15 @@ import math
 import sys
 from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import MISSING, dataclass, fields, replace
+from dataclasses import MISSING, asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 import typer
 
 from liepoisson.cli.exit import INTERRUPTED
-from liepoisson.cli.output import write_figure, write_result
+from liepoisson.cli.output import result_files, write_figure, write_result
 from liepoisson.cli.progress import listening
+from liepoisson.cli.systems import read_shaken_equations
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
 from liepoisson.numeric.method.method import Method, precisions
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     import numpy as np
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from liepoisson.cli.options import Common, Files
 
 DEFAULT_STEP = 0.1
 """In natural times of the orbits (`time_scale`)."""
@@ -152,6 +155,18 @@ def check_limits(*, seed: int = 0, time_limit: float = TIME_LIMIT, threads: int 
     as_threads(threads, "--threads")
 
 
+def read_run(
+    system: str, what: str, *, seed: int, limits: Limits, files: Files, common: Common
+) -> tuple[Any, Path | None, Path | None]:
+    """What a command follows, perhaps with noise, and the files that are wanted, called by `what` without a name.
+
+    What no run can have is refused before anything is computed.
+    """
+    check_limits(seed=seed, **asdict(limits))
+    chosen: Any = read_shaken_equations(system, common.values)
+    return chosen, *result_files(files, chosen, common.values, what)
+
+
 def check_end_time(t_end: float | None, *, forwards: bool = True) -> None:
     """Refuse an end time that is not finite and positive, or not 0 if not `forwards`; None stands for the default."""
     if t_end is None or (math.isfinite(t_end) and (t_end > 0 or (t_end < 0 and not forwards))):
@@ -208,7 +223,7 @@ def noise_lines(run: Any) -> list[str]:
     if not hasattr(run, "noises"):
         return []
     damped = f"; inverse temperature {run.inverse_temperature:g}" if run.inverse_temperature else ""
-    return [f"noise    {', '.join(run.noises)}{damped}; seed {run.seed}"]
+    return [f"noise    {', '.join(run.noises) or 'none'}{damped}; seed {run.seed}"]
 
 
 def check_that_some_finished(outcome: NDArray[Any]) -> None:

@@ -24,6 +24,8 @@ _MOST_SHOWN = 60
 _MOST_STARTS = 2**31
 _COMMAS = re.compile(r",(?![^(]*\))")
 """Those that separate assignments, and not the arguments of a function."""
+_BEFORE_A_NAME = re.compile(r",(?=[^,=]+=)")
+"""Those that separate assignments, and not the components of a vector."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,8 @@ def state_of(words: Sequence[str], option: str, component: str) -> list[str] | d
         return None
     if len(words) == 1 and "=" not in words[0]:
         return _items(words[0])
-    named = assignments(words, option, f"{option} {component}=1", "component")
+    each = [one for word in words for one in _BEFORE_A_NAME.split(word)]
+    named = assignments(each, option, f"{option} {component}=1", "component")
     return {name: _items(text) for name, text in named.items()}
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
 if TYPE_CHECKING:
+    from liepoisson.damping.damped_system import DampedSystem
     from liepoisson.formula.parameters import Value
     from liepoisson.model.system import System
     from liepoisson.model.system_file import EquationsFile, SystemFile
@@ -23,6 +24,12 @@ _MOST_SHOWN = 60
 def read_system(argument: str, settings: Sequence[str] = ()) -> System:
     """The system that a command is about: the argument SYSTEM with "name=value" for parameters, vectors with commas."""
     return with_settings(read_file(argument), settings).system()
+
+
+def read_whole_system(argument: str, settings: Sequence[str] = ()) -> System | DampedSystem | NoisySystem:
+    """The same, with the damping or the noise of its file."""
+    found: Any = with_settings(_read_any_file(argument, noise=True), settings).system()
+    return found
 
 
 def read_numeric_system(argument: str, settings: Sequence[str]) -> System:

@@ -30,6 +30,7 @@ from liepoisson.inputs.refusals import not_a, not_a_system, shown
 from liepoisson.model.free_parameter import with_values
 from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression, read_declarations, scope_of
 from liepoisson.model.system import System
+from liepoisson.model.system_text import formula_text
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.given_expressions import check_real, read_expression_in, with_exact_numbers
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 Kind = Literal["double bracket", "metriplectic"]
 KILLING = "killing"
+_MOST_SHOWN = 60
+"""Characters of a Casimir in a message."""
 
 
 @explains_its_methods
@@ -260,7 +263,8 @@ class DampedSystem(VectorField):
         casimirs = {f"C{k}": casimir for k, casimir in enumerate(bracket.casimirs(), start=1)}
         if isinstance(given, str) and given.strip() in casimirs:
             return casimirs[given.strip()]
-        known = ", ".join(f"{name} = {casimir!s:.60}" for name, casimir in casimirs.items())
+        texts = {name: formula_text(casimir) for name, casimir in casimirs.items()}
+        known = ", ".join(f"{name} = {text:.{_MOST_SHOWN}}" for name, text in texts.items())
         if isinstance(given, str) and RESERVED_NAME.fullmatch(given.strip()):
             raise BracketError(
                 f"entropy: wanted a Casimir of {self.undamped.name}; got {given}; "
@@ -269,9 +273,15 @@ class DampedSystem(VectorField):
         entropy = self._formula(given, "entropy")
         certificate = bracket.casimir_certificate(entropy, symbols=sorted(map(str, entropy.free_symbols)))
         if not certificate.holds:
+            short = next((text for text in texts.values() if len(text) <= _MOST_SHOWN), None)
+            example = f' in coordinates, such as entropy="({short})^2"' if short else " in coordinates"
             raise BracketError(
                 f"entropy: wanted a Casimir, which the motion without damping keeps; {certificate}; "
-                + (f'try entropy="C1", or a function of {known}' if known else "this bracket has none that is known")
+                + (
+                    f'try entropy="C1", or a function of {known}{example}'
+                    if known
+                    else "this bracket has none that is known"
+                )
             )
         if not any(bracket.gradient(entropy)):
             raise BracketError(f"entropy: wanted a Casimir that depends on the state; got {entropy}; try {known}")

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +25,13 @@ from liepoisson.equilibrium.second_variation import Symmetries
 from liepoisson.errors import LeafError, ParameterError, ShapeError, TimeLimitError
 from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number, as_time
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
+from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import has_passed, seconds_left
 from liepoisson.inputs.given import named
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.inputs.refusals import not_a
-from liepoisson.io.tables import Tabular
+from liepoisson.io.result import Kept
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.system import System
@@ -53,13 +53,15 @@ _N_TIMES = 65
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class Relaxation(ReadOnlyArrays, Tabular):
+class Relaxation(Kept):
     r"""The way of a state down to an equilibrium of its leaf.
 
     Example:
         >>> found = lp.dissipation.relax(lp.catalog.system("heavy-top"), {"l": (0, 0, 1), "alpha": (0.6, 0, 0.8)})
         >>> found.outcome, found.equilibrium.nonlinear_stability, round(found.equilibrium.energy, 6)
         ('arrived', 'stable', -0.776616)
+
+    A file has the orbit; the equilibrium is found anew, from its end, when it is read.
 
     Attributes:
         flow: The damped system whose orbit it is.
@@ -77,6 +79,10 @@ class Relaxation(ReadOnlyArrays, Tabular):
         gap: How far the end of the orbit is from it, in units in which states of the leaf are of order one.
     """
 
+    kind = "relaxation"
+    made_by = "lp.dissipation.relax"
+    row = "time"
+
     flow: DampedSystem
     leaf: Leaf
     time: Array
@@ -85,6 +91,30 @@ class Relaxation(ReadOnlyArrays, Tabular):
     outcome: str
     equilibrium: Equilibrium | None
     gap: float
+
+    @property
+    def system(self) -> DampedSystem:
+        """The damped system."""
+        return self.flow
+
+    def records(self) -> dict[str, Any]:
+        """The orbit, how it ended, and whether an equilibrium is near its end."""
+        orbit = {name: getattr(self, name).tolist() for name in ("time", "state", "energy")}
+        others = {"outcome": self.outcome, "gap": self.gap, "has_end": self.equilibrium is not None}
+        return {"record": orbit | others | {"undamped": self.flow.undamped.name}}
+
+    @classmethod
+    def of_record(cls, record: Any, system: Any) -> Self:
+        """The relaxation of a file; Newton's method finds the equilibrium again.
+
+        Raises:
+            Exception: of many kinds, if something is missing or altered.
+        """
+        time, state, energy = (np.array(record[name]) for name in ("time", "state", "energy"))
+        system.undamped.name = record["undamped"]  # the text of a damped system has one name alone
+        leaf = Leaf.through(system.undamped, state[0])
+        end = equilibrium_near(leaf.system, state[-1]) if record["has_end"] else None
+        return cls(system, leaf, time, state, energy, record["outcome"], end, record["gap"])
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: time, energy and state along the orbit."""

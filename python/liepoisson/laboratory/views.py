@@ -172,7 +172,7 @@ def _of_sweep(sweep: Sweep, trajectory: int, point: int | None) -> tuple[Page, A
 def _orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
     """The system of a point, and where one of its orbits starts, shape (component,): the numbers of the sweep."""
     from liepoisson.sweeps.points import evaluate_targets
-    from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, system_and_starts
+    from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, is_noisy, system_and_starts
 
     spec = sweep.spec
     if int(sweep.outcome_code[point, member]) in (NO_START, NO_SYSTEM, FAILED):
@@ -181,6 +181,12 @@ def _orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
             f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
         )
     targets = evaluate_targets(spec, sweep.system, sweep.points[[point]])
+    if is_noisy(spec, sweep.system, targets):
+        raise ParameterError(
+            "a sweep over systems with noise cannot be viewed: the page follows equations of motion, and a path of "
+            "noise has none. View a system without its noise, lp.view(noisy.system), or draw the sweep by "
+            "lp.plot.sweep."
+        )
     system, states = system_and_starts(Piece(0, spec, sweep.system, targets))
     return system, states[member]
 

@@ -182,8 +182,6 @@ class _Reader(BracketReader):
             raise self.toml.error(("noise",), 'wanted the key noises. Write for example noises = ["l1/2"].')
         noises, keys = table["noises"], ("noise", "noises")
         texts = tuple(self.texts(keys, noises)) if isinstance(noises, list) else (self.text(keys, noises),)
-        if not texts:
-            raise self.toml.error(keys, 'wanted at least one function. Write for example ["l1/2"].')
         given = self.entries(keys := ("noise", "inverse_temperature"), table.get("inverse_temperature", 0))
         if isinstance(given, tuple):
             raise self.toml.error(keys, "wanted one number or formula; got a list. Correct it.")

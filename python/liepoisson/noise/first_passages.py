@@ -24,6 +24,7 @@ from liepoisson.numeric.run import outcome_names, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike
 from liepoisson.numeric.systems import HasBracket
+from liepoisson.poincare.section_arguments import as_formula, check_that_it_varies
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,6 +47,7 @@ class FirstPassages(NoisyRun):
         time: End of the first step after which the function has the other sign, shape (trajectory,); NaN for a
             trajectory that did not pass until `t_end`.
         coarse_time: The same if only every second step of the same trajectory is looked at.
+        n_steps: Accepted steps until `end_state`, shape (trajectory,).
         end_state: The state at that time, or the last one, shape (trajectory, component).
     """
 
@@ -56,6 +58,7 @@ class FirstPassages(NoisyRun):
     t_end: float
     time: Array = labelled("trajectory", long_name="time of the first passage")
     coarse_time: Array = labelled("trajectory", long_name="time of the first passage seen at every second step")
+    n_steps: NDArray[np.int64] = labelled("trajectory", long_name="accepted steps to the end state", units="1")
     end_state: Array = labelled("trajectory", "component", long_name="state after the passage")
 
     def arguments(self) -> dict[str, Any]:
@@ -136,7 +139,8 @@ def first_passages(
         FirstPassages; a trajectory that has not passed at `t_end` has the outcome "finished" and no time.
 
     Raises:
-        ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`; also a start on the surface.
+        ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`; also a start on the surface, or a
+            function that is constant along every path.
         KeyboardInterrupt: Ctrl-C.
 
     References:
@@ -145,6 +149,7 @@ def first_passages(
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
     noise = Noise.read(system, starts, noises, inverse_temperature, options)
     value: Any = noise.system.functions.of(function)
+    check_that_it_varies(noise.system, as_formula(function, "function"), "function", noises=noise.texts)
     end = as_time(t_end, "t_end", example=100)
     states = noise.start
     side = np.sign(np.asarray(value(states)))
@@ -153,6 +158,7 @@ def first_passages(
     n_steps = max(1, math.ceil(end / method.step * (1.0 - 2 * np.finfo(float).eps)))
     time, coarse = np.full(len(states), np.nan), np.full(len(states), np.nan)
     outcome, last = np.full(len(states), "finished", dtype="U15"), states.copy()
+    taken = np.zeros(len(states), dtype=np.int64)
     for before, at, raw in noise.in_parts(states, 0.0, end / n_steps, n_steps):
         seen = raw["state"][:, 1:]
         with np.errstate(all="ignore"):
@@ -164,11 +170,12 @@ def first_passages(
             where = looked.argmax(axis=1)
             found[new] = at[where[new]]
             if every == 1:
-                last[new] = seen[new, where[new]]
-        still = np.isnan(time)
+                last[new], taken[new] = seen[new, where[new]], before + 1 + where[new]
+        still = np.isnan(time) & was_going
         last[still] = raw["final_state"][still]
+        taken[still] += raw["n_steps"][still]
         ended = outcome_names(raw["outcome"])
-        outcome[still & was_going] = ended[still & was_going]
+        outcome[still] = ended[still]
         if not (np.isnan(coarse) & (ended == "finished")).any():
             break
     return FirstPassages(
@@ -177,6 +184,7 @@ def first_passages(
         t_end=end,
         time=time,
         coarse_time=coarse,
+        n_steps=taken,
         outcome=outcome,
         end_state=last,
     )

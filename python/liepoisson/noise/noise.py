@@ -15,6 +15,7 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from liepoisson import _core
+from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.compile.field import Piece
 from liepoisson.compile.split_terms import commuting_pieces_of
 from liepoisson.errors import ParameterError, UnsupportedFieldError
@@ -84,7 +85,7 @@ class Noise:
 
         Raises:
             ParameterError: a system without a bracket; a method other than splitting; noise that is no function on
-                phase space, or moves nothing; an inverse temperature that is negative.
+                phase space, or one of Casimirs; an inverse temperature that is negative.
             UnsupportedFieldError: a bracket that is not linear in the state, or noise without an exact flow.
         """
         if not isinstance(options.method, Splitting) or options.method.precision != "double":
@@ -199,8 +200,6 @@ def as_noises(noises: Any) -> tuple[Any, ...]:
             'vector field, which may leave it; try noises=["l1/2"]'
         )
     given = tuple(noises) if isinstance(noises, (list, tuple)) else (noises,)
-    if not given:
-        raise ParameterError('noises: wanted at least one function on phase space; got none; try "l1/2", or integrate')
     for noise in given:
         if isinstance(noise, (Mapping, list, tuple, np.ndarray, int, float)):
             raise ParameterError(
@@ -211,13 +210,20 @@ def as_noises(noises: Any) -> tuple[Any, ...]:
 
 
 def pieces_of_noise(system: Any, noise: Any, text: str) -> tuple[Piece, ...]:
-    """The pieces of a noise Hamiltonian, which flow exactly; refused where there are none, under its text."""
+    """The pieces of a noise Hamiltonian, which flow exactly; of 0 there are none.
+
+    Raises:
+        UnsupportedFieldError: it has no exact flow.
+        ParameterError: it is a function of Casimirs, and not 0.
+    """
+    expression = system.expression(noise)
     try:
-        pieces = commuting_pieces_of(system.bracket, system.expression(noise))
+        pieces = commuting_pieces_of(system.bracket, expression)
     except UnsupportedFieldError as error:
         raise UnsupportedFieldError(f"noises: {shown(text)} has no exact flow; {error}") from error
-    if not pieces:
+    if not pieces and not is_zero(expression):
         raise ParameterError(
-            f"noises: wanted functions that move something; got {shown(text)}, a function of Casimirs; leave it out"
+            f"noises: wanted functions that move something, or 0; got {shown(text)}, a function of Casimirs; leave it "
+            "out"
         )
     return pieces

@@ -106,7 +106,8 @@ def noisy_orbits(
     Args:
         noises: The noise Hamiltonians $H_k$, with their strengths: a text like that of a Hamiltonian, a SymPy
             expression, or a sequence of such.  Each is a function of one linear form, $F(\xi\cdot x)$ with a polynomial
-            F, or a sum of such functions whose forms commute: these flow exactly.
+            F, or a sum of such functions whose forms commute: these flow exactly.  An empty sequence is no noise, and
+            "0" a noise of the amplitude 0.
         method: `Splitting`, whose `step` is the largest one.
         inverse_temperature: $\beta$, at least 0; 0 is no damping.
         times: Times at which states are wanted, increasing, shape (time,), the first that of the starts.
@@ -121,8 +122,8 @@ def noisy_orbits(
 
     Raises:
         ShapeError: An array has another shape than stated.
-        ParameterError: Numbers that are not finite, times that do not increase, another method, a noise that moves
-            nothing or is a vector field instead of a function.
+        ParameterError: Numbers that are not finite, times that do not increase, another method, a noise that is a
+            function of Casimirs, or a vector field instead of a function.
         UnsupportedFieldError: The bracket is not linear in the state, or a noise has no exact flow.
         KeyboardInterrupt: Ctrl-C.
 

@@ -96,7 +96,7 @@ class NoisySystem:
 
     def __repr__(self) -> str:
         damped = f", inverse temperature {self.inverse_temperature}" if self.inverse_temperature else ""
-        return f"<NoisySystem {self.name!r}: noises {', '.join(self.noises)}{damped}>"
+        return f"<NoisySystem {self.name!r}: noises {', '.join(self.noises) or 'none'}{damped}>"
 
 
 @explains_its_arguments

@@ -33,8 +33,8 @@ from liepoisson.observations.sensitivities import Model, Prediction, clock_of, p
 
 _OF_ORBITS = 2.0**-42
 """Relative error of an orbit to round-off: some thousand operations."""
-ENDED_WELL = ("converged", "at a bound")
-"""How a search ends at a minimum."""
+ENDED_WELL = ("converged", "at a bound", "not determined")
+"""How a search ends at a minimum, or in a valley of them."""
 _N_CURVE = 1001
 """Times of a curve between observations."""
 
@@ -77,9 +77,11 @@ class OrbitFit(Result):
         residual: Observed less predicted; of an angle within half a turn.
         start: Fitted starts, shape (trajectory, component).
         outcome: How the fitted trajectory of each run ended.
-        ending: How the search ended: "converged"; "at a bound"; "no progress" where no shorter step helps and the slope
-            is not zero, as on chaotic orbits; "most steps"; "no trajectory" where the orbit of the guess ends before
-            the last observation; "time limit".
+        ending: How the search ended: "converged"; "at a bound"; "not determined" at a minimum from which unknowns can
+            change without a change of any observed value (`undetermined` says which), as a guess from which the search
+            went astray may lead to; "no progress" where no shorter step helps and the slope is not zero, as on chaotic
+            orbits; "most steps"; "no trajectory" where the orbit of the guess ends before the last observation; "time
+            limit".
         undetermined: What the data do not tell, in words.
         n_steps: Accepted steps of the search.
         most_steps: How many it might take.
@@ -300,7 +302,7 @@ def orbit_fit(
         starts: States at the start, for all runs or one for each: guesses where they are unknown.  Of components that
             are observed and not given by name the first observed value is taken.  By default all are taken so.
         start_time: Time of the starts, one number or one for each run; by default the first time of each run.
-        bounds: Least and largest values of unknowns by name, None for none: `{"g": (0, None)}`.
+        bounds: Least and largest values of unknowns by name, None for none: `{"g": (0, None)}`.  The guess lies within.
         most_steps: Most steps of the search.
         method: How orbits are integrated, with tangent vectors; by default `Taylor()`, to round-off.
 
@@ -309,7 +311,8 @@ def orbit_fit(
 
     Raises:
         ParameterError: an unknown is neither a parameter nor a component, or is given twice; a column is no function of
-            the state; there are fewer values than unknowns; a start is not known; a bound is above the other.
+            the state; there are fewer values than unknowns; a start is not known; a bound is above the other; a guess
+            lies outside of its bounds.
         ShapeError: starts have another shape.
 
     References: Levenberg, Quarterly of Applied Mathematics 2 (1944) 164; Marquardt, SIAM Journal on Applied Mathematics
@@ -327,6 +330,7 @@ def orbit_fit(
         [model.numbers, [states[one.run or 0, one.place] for one in model.unknowns if one.run is not None]]
     )
     low, high = _as_bounds(bounds, model)
+    _check_guess(model, guess, low, high)
     if data.n_values < len(model.unknowns):
         raise ParameterError(
             f"unknowns: wanted at most as many as there are values; got {counted(len(model.unknowns), 'unknown')} and "
@@ -359,6 +363,17 @@ def orbit_fit(
     })  # fmt: skip
 
 
+def _check_guess(model: Model, guess: Array, low: Array, high: Array) -> None:
+    """Refuses a guess outside of its bounds."""
+    for one, z, least, most in zip(model.unknowns, guess, low, high, strict=True):
+        if not least <= z <= most:
+            where = "value in the system" if one.run is None else "start"
+            raise ParameterError(
+                f"bounds: wanted a guess within them, {least:g} to {most:g} for {one.name}; got {z:g}; give another "
+                f"{where}, or other bounds"
+            )
+
+
 def _result(
     model: Model, found: Minimum, prediction: Prediction, options: RunOptions, given: Mapping[str, Any]
 ) -> OrbitFit:
@@ -389,6 +404,7 @@ def _result(
         error[unsaid] = np.nan
         covariance[unsaid, :] = covariance[:, unsaid] = np.nan
     late = found.ending == "time limit"
+    ending = "not determined" if words and found.ending == "converged" else found.ending
     return OrbitFit(
         system=model.system,
         components=model.system.component_names,
@@ -410,7 +426,7 @@ def _result(
         residual=residual,
         start=model.starts(given["guess_start"], found.unknown)[:, : len(model.system.component_names)],
         outcome=np.array(["time limit"] * len(data.runs) if late else prediction.outcome, dtype=np.str_),
-        ending=found.ending,
+        ending=ending,
         undetermined=words,
         n_steps=found.n_steps,
         time_limit=options.time_limit,

@@ -86,7 +86,8 @@ class Model:
     def __init__(self, system: EquationsOfMotion, observed: Observations, names: Sequence[str], guess: Array) -> None:
         self.system, self.observed = system, observed
         parts, clock = parts_of(system), clock_of(system)
-        found = [part for name in names for part in _known(name, parts)]
+        bracketed = hasattr(system, "bracket")
+        found = [part for name in names for part in _known(name, parts, has_bracket=bracketed)]
         if twice := sorted({name for name in found if found.count(name) > 1}):
             raise ParameterError(f"unknowns: wanted each number once; {twice[0]} comes twice, also in its vector.")
         components = system.component_names
@@ -224,11 +225,17 @@ def parts_of(system: EquationsOfMotion) -> dict[str, tuple[str, ...]]:
     return parts | {name: tuple(names[k] for k in place) for name, place in component_places(system).items()}
 
 
-def _known(name: Any, parts: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+_IN_THE_BRACKET = (
+    " A number in the bracket is a parameter of the system if the bracket has a symbol for it and the system its "
+    "value: make the bracket with symbols=[...] instead of parameters={...}, and give the value to System."
+)
+
+
+def _known(name: Any, parts: Mapping[str, tuple[str, ...]], *, has_bracket: bool) -> tuple[str, ...]:
     if not isinstance(name, str) or name not in parts:
         raise ParameterError(
             f"unknowns: wanted parameters and components of the start; got {shown(name)}. {did_you_mean(name, parts)}"
-            f"Known: {', '.join(parts):.200}."
+            f"Known: {', '.join(parts):.200}.{_IN_THE_BRACKET if has_bracket else ''}"
         )
     return parts[name]
 

@@ -14,7 +14,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
-from liepoisson.io.result import Result
+from liepoisson.io.result import Kept, Result
 from liepoisson.plot.exponents import convergence
 from liepoisson.plot.families import family
 from liepoisson.plot.fits import orbit_fit
@@ -36,7 +36,7 @@ _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTU
 
 @explains_its_arguments
 def draw(result: Any, **options: Any) -> Figure:
-    """The figure of the result of a run, whatever its kind, or of a family of orbits.
+    """The figure of the result of a run, whatever its kind, of a family of orbits, or of a relaxation.
 
     What else a search found, such as periodic orbits and equilibria, has none: the refusal says what to draw.
 
@@ -61,11 +61,9 @@ def draw(result: Any, **options: Any) -> Figure:
     Raises:
         ParameterError: it is no result of a run; of a list or an orbit it says how it is drawn.
     """
-    from liepoisson.orbits.orbit_families import OrbitFamily
-
     figure: Callable[..., Any] | None = None
-    if isinstance(result, OrbitFamily):
-        figure = family
+    if isinstance(result, Kept):
+        figure = _KEPT.get(type(result).kind)
     elif isinstance(result, Result):
         figure = _FIGURES.get(type(result).kind, _numbers)
     if figure is None:
@@ -276,6 +274,22 @@ def _passages(result: Any, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
+def _relaxation(result: Any, *, ax: Axes | None = None) -> Axes:
+    """The energy above that of the equilibrium against time; where there is none, the energy."""
+    end = result.equilibrium
+    above = result.energy - (0.0 if end is None else end.energy)
+    is_log = end is not None and bool((above > 0).any())
+    shown = above > 0 if is_log else np.isfinite(above)
+    with house_style():
+        ax = axes_or_new(ax)
+        ax.plot(result.time[shown], above[shown], color=ANGULAR_MOMENTUM, linewidth=1.0)
+        if is_log:
+            ax.set_yscale("log")
+        ax.set(xlabel="$t$", ylabel="energy" if end is None else "energy above the equilibrium")
+        ax.set_title(plain(result.flow.undamped.name))
+    return ax
+
+
 def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
     """The first numbers that the class says of each trajectory, against time if they have one."""
     data, dims = result.dataset, (("trajectory", "time"), ("trajectory",))
@@ -321,3 +335,5 @@ _FIGURES: dict[str, Callable[..., Any]] = {
     "first return": _returns,
     "integral scan": _scan,
 }
+_KEPT: dict[str, Callable[..., Any]] = {"orbit family": family, "relaxation": _relaxation}
+"""Of what is not repeated from a file."""

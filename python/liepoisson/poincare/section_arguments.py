@@ -56,16 +56,18 @@ def as_formula(given: Any, what: str) -> str | Expr:
     return formula
 
 
-def check_that_it_varies(system: Any, function: str | Expr, what: str = "surface") -> None:
+def check_that_it_varies(
+    system: Any, function: str | Expr, what: str = "surface", *, noises: Sequence[str] = ()
+) -> None:
     """Refuses a function that is proved constant on every leaf or along every orbit: no orbit crosses a level of it.
 
     Raises:
-        ParameterError: it is a number, a Casimir or a constant of motion.
+        ParameterError: it is a number, a Casimir or a constant of motion, with noise of all its Hamiltonians.
     """
-    if _is_seen_to_vary(system, function) or (reason := why_constant(system, function)) is None:
+    if _is_seen_to_vary(system, function) or (reason := why_constant(system, function, noises)) is None:
         return
     names = system.component_names
-    moves = next((name for name in names if why_constant(system, name) is None), None)
+    moves = next((name for name in names if why_constant(system, name, noises) is None), None)
     hint = "nothing moves here" if moves is None else f'try a component such as "{moves}"'
     raise ParameterError(
         f"{what}: wanted a function that changes along orbits; got {shown(function)}, {reason}; {hint}"
@@ -90,8 +92,8 @@ def _is_seen_to_vary(system: Any, function: str | Expr) -> bool:
     return bool(np.abs(last - first).max() > _CHANGE * (np.abs(first) + np.abs(last)).max())
 
 
-def why_constant(system: Any, function: str | Expr) -> str | None:
-    """Why a function is constant along every orbit, where its brackets prove it; None where they do not.
+def why_constant(system: Any, function: str | Expr, noises: Sequence[str] = ()) -> str | None:
+    """Why a function is constant along every orbit, or path with noise, where its brackets prove it; else None.
 
     They say nothing about components that are found by quadrature, which stand in no bracket.
     """
@@ -106,9 +108,17 @@ def why_constant(system: Any, function: str | Expr) -> str | None:
         occurs = system.expression(function).free_symbols
         kind = "its bracket with every component is zero" if occurs else "no component occurs in it"
         return f"which is constant on each leaf: {kind}"
-    if _is_constant_of_motion(system, function):
-        return "a constant of motion: its bracket with H is zero, and each orbit lies in one of its levels"
-    return None
+    if not _is_constant_of_motion(system, function) or not _commutes(system, function, noises):
+        return None
+    if noises:
+        return "a constant of motion: its brackets with H and all noises are zero"
+    return "a constant of motion: its bracket with H is zero, and each orbit lies in one of its levels"
+
+
+def _commutes(system: Any, function: str | Expr, others: Sequence[str]) -> bool:
+    """Whether its bracket with each of these functions is zero when multiplied out."""
+    f = system.expression(function)
+    return all(system.bracket(f, system.expression(other)).expand() == 0 for other in others)
 
 
 def _is_constant_of_motion(system: Any, function: str | Expr) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.formula.styles import LATEX, LETTERS, NAMES, UNICODE, Style
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import not_a_system
 from liepoisson.io.display import as_text
 from liepoisson.report.bracket_facts import algebra_topic, extension_topic, jacobi_topic
+from liepoisson.report.damping_and_noise import HasNoise, damping_topic, noise_topic
 from liepoisson.report.integral_facts import integral_topic
 from liepoisson.report.leaf_facts import Casimirs, rank_topic, strata_topic, symmetry_topic
 from liepoisson.report.lines import Equation, Line, Name, Sign, wrapped, write_line
@@ -25,6 +26,7 @@ MOST_SHOWN = 12
 """Coordinates of a bracket, or brackets of a Lie algebra, that a notebook shows."""
 
 if TYPE_CHECKING:
+    from liepoisson.damping.damped_system import DampedSystem
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.lie_algebra import LieAlgebra
@@ -93,10 +95,11 @@ class Report:
     def record(self) -> dict[str, Any]:
         """The report as data that JSON can write.
 
-        `name`, `source` and one entry per topic: `algebra`, `extension`, `bracket` (with `jacobi`), `casimirs`, `rank`,
-        `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`, `kernel`.  A formula is an object with `text`
-        (ASCII), `unicode`, `latex` and, where it is a function on phase space, `expression`: the same in components,
-        in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
+        `name`, `source` and one entry per topic: `damping` or `noise` where there is some, `algebra`, `extension`,
+        `bracket` (with `jacobi`), `casimirs`, `rank`, `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`,
+        `kernel`.  A formula is an object with `text` (ASCII), `unicode`, `latex` and, where it is a function on phase
+        space, `expression`: the same in components, in the grammar of system files.  A proof is a Boolean (`proved`,
+        `verified`, `complete`) beside what was proved.
         Where the Jacobi identity fails, there is no `casimirs`, `rank`, `strata`, `symmetries`.  Where a stratum is not
         proved, sets of lower rank may be missing among the `strata`.  `definitions` say what signs in the formulas
         beside them mean where this is not usual, as the scalar product of so(2,1).  A part that was left out for
@@ -108,8 +111,11 @@ class Report:
 
 
 @explains_its_arguments
-def inspect(system: System) -> Report:
+def inspect(system: System | DampedSystem | HasNoise) -> Report:
     """Everything that the exact algebra finds out about a system; each proof is computed now.
+
+    Of a damped system, or one with noise, it begins with the damping or the noise, and what stays constant with it; all
+    else is about the system without.
 
     Example:
         >>> report = lp.inspect(lp.catalog.system("free-rigid-body"))
@@ -117,17 +123,22 @@ def inspect(system: System) -> Report:
         ('free-rigid-body', ())
 
     Args:
-        system: Any system, with or without values for its parameters.
+        system: Any system, with or without values for its parameters; a `DampedSystem`; a `NoisySystem`.
 
     Raises:
         ParameterError: it is no system.
     """
     from liepoisson.model.system import System
 
-    if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
+    name, given = getattr(system, "name", ""), system
+    topics: list[Topic] = []
+    if isinstance(own := getattr(given, "undamped", None), System):
+        system, topics = own, [damping_topic(cast("DampedSystem", given))]
+    elif hasattr(given, "noise") and isinstance(own := getattr(given, "system", None), System):
+        system, topics = own, [noise_topic(cast("HasNoise", given))]
+    if not isinstance(system, System):
         raise not_a_system(system)
     bracket, notation = system.bracket, VectorNotation(system.bracket)
-    topics: list[Topic] = []
     # else nothing of g and A is left in the bracket, or it has none
     if bracket.has_algebra and (bracket.entries() or not bracket.constant):
         topics += [
@@ -143,7 +154,7 @@ def inspect(system: System) -> Report:
         integrals,
         kernel_topic(system),
     ]
-    return Report(system.name, system.source, tuple(topics), (*failures, *refuted))
+    return Report(name, system.source, tuple(topics), (*failures, *refuted))
 
 
 def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topic], list[str]]:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from liepoisson.report.lines import Line
 
 TITLES = {
+    "damping": "Damping",
+    "noise": "Noise",
     "algebra": "Lie algebra",
     "extension": "Extension",
     "bracket": "Bracket",

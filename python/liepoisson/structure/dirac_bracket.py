@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.errors import BracketError, ConstraintError, ParameterError
+from liepoisson.formula.parameters import GivenValue
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.circles import check_on_circles, turn
@@ -39,11 +40,16 @@ _ON_LINES = (
 
 
 def dirac_bracket(
-    bracket: Bracket, constraints: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str]
+    bracket: Bracket,
+    constraints: Sequence[str | Expr] | Mapping[str, str | Expr],
+    parameters: Mapping[str, GivenValue] | None,
+    *,
+    symbols: Sequence[str],
 ) -> PoissonTensor:
     """The Dirac bracket; see `Bracket.dirac_bracket`."""
     bracket.check_without_time("a Dirac bracket")
-    functions = _read(constraints, bracket, scope_of(bracket.coordinate_names_in_order, bracket.symbols, symbols))
+    scope = scope_of(bracket.coordinate_names_in_order, bracket.symbols, symbols, parameters)
+    functions = _read(constraints, bracket, scope)
     entries, x = entries_of(bracket), bracket.variables
     gradients = [[f.diff(v) for v in x] for f in functions]
     field = Coefficients.containing([*x, *entries.values(), *(slope for row in gradients for slope in row)])

@@ -67,12 +67,27 @@ def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | No
     return Scope(parameters=values, symbols=(*names, *declared), scalars=names)
 
 
-def scope_of(coordinates: tuple[str, ...], own: Collection[str], symbols: Sequence[str]) -> Scope:
-    """The same for functions on the phase space of a bracket, whose `own` symbols need not be declared again."""
+def scope_of(
+    coordinates: tuple[str, ...],
+    own: Collection[str],
+    symbols: Sequence[str],
+    parameters: Mapping[str, GivenValue] | None = None,
+) -> Scope:
+    """The same for functions on the phase space of a bracket, whose `own` symbols need not be declared again.
+
+    Raises:
+        BracketError: also if a parameter has the name of a symbol of the bracket.
+    """
     declared = listed_names(symbols, "symbols")
     given: Any = symbols if declared is None else declared
-    more = sorted({*own} - scope_with(coordinates, None, given).numbers())
-    return scope_with(coordinates, None, [*given, *more])
+    values: Any = read_values(parameters)
+    if clash := sorted({*own} & {*values, *flattened(values)}):
+        raise BracketError(
+            f"parameters: {clash[0]} is a symbol of the bracket, which keeps it; give it a value there first, with "
+            f"bracket.substitute({{{clash[0]!r}: ...}}), or choose another name"
+        )
+    more = sorted({*own} - scope_with(coordinates, values, given).numbers())
+    return scope_with(coordinates, values, [*given, *more])
 
 
 def read_function(given: Any, scope: Scope, what: str) -> Expr:

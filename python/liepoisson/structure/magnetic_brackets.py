@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import is_zero
-from liepoisson.errors import BracketError, JacobiError, ParameterError, ShapeError
+from liepoisson.errors import BracketError, JacobiError, ShapeError
 from liepoisson.formula.parameters import GivenValue, Parameter
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed
@@ -56,7 +56,7 @@ def magnetic(
         variables: Names of the places, and then of the velocities.
         parameters: Values of other names.
         charge: e, a number or the name of a parameter.
-        mass: m, not zero.
+        mass: m, positive, a number or the name of a parameter.
         symbols: Names that stay symbolic.
 
     Raises:
@@ -64,7 +64,7 @@ def magnetic(
         ShapeError: B has not three components, or one, or not two names for each coordinate of space.
         BracketError: a field depends on velocities.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: a name is none that a user may choose, or the mass is zero.
+        ParameterError: a name is none that a user may choose, or the mass is not positive.
 
     References: Souriau, Structure des systèmes dynamiques (1970).
     """
@@ -81,7 +81,6 @@ def magnetic(
     scope = scope_with(names, parameters, symbols)
     e, m = (cast("Any", read_function(one, scope, what)) for one, what in ((charge, "charge"), (mass, "mass")))
     B = _field(items, names, n, scope)
-    _check_mass(m, "mass")
     x, origin = _symbols(names), MagneticField("magnetic", tuple(B), e, m)
     entries: dict[tuple[int, int], Any] = {(i, n + i): 1 / m for i in range(n)}
     if n == 2:
@@ -123,7 +122,7 @@ def guiding_centre(
         variables: Names of the places, and of the velocity along the field.
         parameters: Values of other names.
         charge: e, a number or the name of a parameter, not zero.
-        mass: m, not zero.
+        mass: m, positive, a number or the name of a parameter.
         symbols: Names that stay symbolic.
 
     Raises:
@@ -131,7 +130,8 @@ def guiding_centre(
         ShapeError: B has not three components, or there are not four names.
         BracketError: B is zero, or depends on the velocity.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: a name is none that a user may choose, or the mass or the charge is zero.
+        ParameterError: a name is none that a user may choose, the mass is not positive, or
+            the charge is zero.
 
     References: Littlejohn, J. Plasma Phys. 29 (1983) 111; Cary and Brizard, Rev. Mod. Phys. 81 (2009) 693.
     """
@@ -145,8 +145,6 @@ def guiding_centre(
     scope = scope_with(names, parameters, symbols)
     e, m = (cast("Any", read_function(one, scope, what)) for one, what in ((charge, "charge"), (mass, "mass")))
     B = _field(items, names, 3, scope)
-    for value, what in ((e, "charge"), (m, "mass")):
-        _check_mass(value, what)
     *x, u = _symbols(names)
     occurring = [one for one in B if not is_zero(one)]
     if not occurring:
@@ -184,11 +182,6 @@ def _field(items: Sequence[Any], names: tuple[str, ...], n: int, scope: Any) -> 
     if velocities:
         raise BracketError(f"a magnetic field must depend on the place alone; got {min(velocities)} in it.")
     return B
-
-
-def _check_mass(value: Any, what: str) -> None:
-    if is_zero(value):
-        raise ParameterError(f"{what} must not be zero; got {value}.")
 
 
 def _symbols(names: Sequence[str]) -> list[Any]:

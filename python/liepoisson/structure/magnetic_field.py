@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.algebra.exact_numbers import is_zero
+from liepoisson.errors import ParameterError
 from liepoisson.structure.certificates import Failure, JacobiCertificate
 from liepoisson.structure.poisson.tensor_entries import N_POINTS, TensorEntries
 
@@ -23,12 +24,22 @@ class MagneticField:
         components: B, in the places.
         charge: e.
         mass: m.
+
+    Raises:
+        ParameterError: the mass is not positive, or a guiding centre has no charge.
     """
 
     kind: Literal["magnetic", "guiding_centre"]
     components: tuple[Expr, ...]
     charge: Expr
     mass: Expr
+
+    def __post_init__(self) -> None:
+        """Refuses what no particle has; symbols are taken."""
+        if is_zero(self.mass) or self.mass.is_negative:
+            raise ParameterError(f"mass: wanted a positive number; got {self.mass}; try mass=1")
+        if self.kind == "guiding_centre" and is_zero(self.charge):
+            raise ParameterError(f"charge: wanted a number other than 0; got {self.charge}; try charge=1")
 
     def mapped(self, change: Callable[[Any], Any]) -> MagneticField | None:
         """The same with other names, or with values for symbols; None where a component vanishes that did not.

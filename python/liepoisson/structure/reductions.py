@@ -12,6 +12,7 @@ from liepoisson.structure.poisson_structure import PoissonStructure
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.formula.parameters import GivenValue
     from liepoisson.structure.bracket import Bracket
 
 
@@ -91,7 +92,11 @@ class Reductions(PoissonStructure):
         return function_of("Reductions.in_invariants")(self, invariants, levels=levels)
 
     def dirac_bracket(
-        self, constraints: Sequence[str | Expr] | Mapping[str, str | Expr], *, symbols: Sequence[str] = ()
+        self,
+        constraints: Sequence[str | Expr] | Mapping[str, str | Expr],
+        parameters: Mapping[str, GivenValue] | None = None,
+        *,
+        symbols: Sequence[str] = (),
     ) -> Bracket:
         r"""The Dirac bracket of constraints of second class, in the same coordinates.
 
@@ -114,15 +119,17 @@ class Reductions(PoissonStructure):
 
         Args:
             constraints: The functions phi that vanish, a list or a mapping from names.
+            parameters: Values of other names in them.
             symbols: Names in them that stay symbolic and are taken as generic, besides those of the bracket.
 
         Raises:
             ConstraintError: a combination of them is first class; the error names it.
             BracketError: they contradict each other, their gradients are dependent where they vanish, one is constant,
-                the bracket has time, or whether they are of second class was not decided.
+                the bracket has time, a parameter is called like a coordinate or a symbol of the bracket, or whether
+                they are of second class was not decided.
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: no list of functions, or one is no function on the circle of an angle.
 
         References: Dirac, Canad. J. Math. 2 (1950) 129; [marsden1999], section 8.5.
         """
-        return function_of("Reductions.dirac_bracket")(self, constraints, symbols=symbols)
+        return function_of("Reductions.dirac_bracket")(self, constraints, parameters, symbols=symbols)

@@ -234,7 +234,7 @@ def _of_its_kind(piece: Piece, system: Any) -> Any:
         kind, other = ("without", "with") if piece.noise else ("with", "without")
         raise ParameterError(
             f"system: wanted noise at all points or at none; got one {kind} noise where the first is {other}. Leave "
-            "out the points of one kind."
+            "out the points of one kind, or give NoisySystem(system, []) for one without noise."
         )
     return system
 
