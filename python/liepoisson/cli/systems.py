@@ -28,8 +28,12 @@ def read_system(argument: str, settings: Sequence[str] = ()) -> System:
 
 def read_whole_system(argument: str, settings: Sequence[str] = ()) -> System | DampedSystem | NoisySystem:
     """The same, with the damping or the noise of its file."""
-    found: Any = with_settings(_read_any_file(argument, noise=True), settings).system()
-    return found
+    from liepoisson.model.vector_field_file import VectorFieldFile
+
+    file: Any = _read_any_file(argument, noise=True)
+    if isinstance(file, VectorFieldFile):
+        file = read_file(argument)  # which refuses it with the line of its equations
+    return with_settings(file, settings).system()
 
 
 def read_numeric_system(argument: str, settings: Sequence[str]) -> System:

@@ -132,12 +132,8 @@ def inspect(system: System | DampedSystem | HasNoise) -> Report:
 
     name, given = getattr(system, "name", ""), system
     topics: list[Topic] = []
-    if isinstance(own := getattr(given, "undamped", None), System):
-        system, topics = own, [damping_topic(cast("DampedSystem", given))]
-    elif hasattr(given, "noise") and isinstance(own := getattr(given, "system", None), System):
-        system, topics = own, [noise_topic(cast("HasNoise", given))]
-    if not isinstance(system, System):
-        raise not_a_system(system)
+    if not isinstance(given, System):  # that is asked for no attribute which it has not: NumPy would be loaded
+        system, topics = _beneath(given)
     bracket, notation = system.bracket, VectorNotation(system.bracket)
     # else nothing of g and A is left in the bracket, or it has none
     if bracket.has_algebra and (bracket.entries() or not bracket.constant):
@@ -155,6 +151,17 @@ def inspect(system: System | DampedSystem | HasNoise) -> Report:
         kernel_topic(system),
     ]
     return Report(name, system.source, tuple(topics), (*failures, *refuted))
+
+
+def _beneath(given: Any) -> tuple[System, list[Topic]]:
+    """The system that is damped or shaken, and what is said of damping and noise."""
+    from liepoisson.model.system import System
+
+    if isinstance(own := getattr(given, "undamped", None), System):
+        return own, [damping_topic(cast("DampedSystem", given))]
+    if hasattr(given, "noise") and isinstance(own := getattr(given, "system", None), System):
+        return own, [noise_topic(cast("HasNoise", given))]
+    raise not_a_system(given)
 
 
 def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topic], list[str]]:
