@@ -83,6 +83,7 @@ def test_systems_of_the_package_are_typed_as_the_same_system(key):
     start = example(key).start
     draft = Draft.of_system(system, start, 2.0)
     assert draft.system is system
+    assert replace(draft, parameters={"k": "1"}).with_numbers({"k": "2"}).given is None
     read = Draft.read(address(draft)).system
     assert read is not system
     state = [float(Fraction(text)) for text in start]
