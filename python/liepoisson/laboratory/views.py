@@ -88,7 +88,8 @@ def view(
     check_choice(panels, "panels", tuple(HEIGHTS))
     begin = {} if state is None else by_name(state, "state", "parts", "{'time': 5}")
     made = None
-    if shown is None or (isinstance(shown, str) and is_typed(shown.rpartition("#")[2])):
+    address = "own=1" if shown is None else shown.rpartition("#")[2] if isinstance(shown, str) else ""
+    if is_typed(address):
         _check_that_nothing_else_is_given(start, surfaces, trajectory, point)
     else:
         made = _page(shown, start, surfaces, trajectory, point)
@@ -104,7 +105,7 @@ def view(
             'Run pip install "liepoisson[notebook]".'
         ) from error
     if made is None:
-        opening = Opening.of_address("own=1" if shown is None else shown.rpartition("#")[2])
+        opening = Opening.of_address(address)
     else:
         opening = Opening.of_page(*made, surfaces)
     size = checked_height(HEIGHTS[panels] if height is None else height)

@@ -64,7 +64,7 @@ class Opening:
         addresses = Addresses.of(record)
         if record is None:
             return cls(addresses, addresses.read(page.address), system, surfaces)
-        if isinstance(surfaces, Sequence) and not surfaces and record["saved"] is None and record["picture"] is None:
+        if len(surfaces) == 0 and record["saved"] is None and record["picture"] is None:
             draft = Draft.of_system(system, record["start"], record["unit"])
             if draft is not None and draft.parameters:
                 addresses = Addresses.of_draft(draft)
