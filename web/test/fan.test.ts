@@ -70,6 +70,13 @@ test.each([["henon-heiles", { H: 0.1 }], ["heavy-top", { H: 1, C1: 1.5 }]] as co
   functions.free();
 });
 
+test("a name that was a parameter, and is that of a coordinate by now, is no parameter", () => {
+  const draft = { ...draftOf("henon-heiles"), coordinates: "q", momenta: "p", hamiltonian: "p^2/2 - g*cos(q)", parameters: { p: "1", g: "2" }, start: [] };
+  const found = made(core, { draft, listed: null, start: null });
+  expect(found).toMatchObject({ made: true, parameters: { g: "2" } });
+  expect((found as Made).parameters).not.toHaveProperty("p");
+});
+
 test("an orbit goes through a point that is added; one that no orbit reaches is said", () => {
   const of = job("henon-heiles", { added: [[0.1, 0.2], [-0.9, 0]] });
   const { orbits, starts } = filled(of);

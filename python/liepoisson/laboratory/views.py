@@ -104,10 +104,7 @@ def view(
             "a view in a notebook needs the package anywidget, which is not installed. "
             'Run pip install "liepoisson[notebook]".'
         ) from error
-    if made is None:
-        opening = Opening.of_address(address)
-    else:
-        opening = Opening.of_page(*made, surfaces)
+    opening = Opening.of_address(address) if made is None else Opening.of_page(*made, surfaces)
     size = checked_height(HEIGHTS[panels] if height is None else height)
     return View(opening, state=begin, playing=bool(playing), panels=panels, height=size)
 

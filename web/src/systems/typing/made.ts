@@ -90,7 +90,7 @@ function checkBracket(core: Core, bracket: BracketMade, draft: Draft): void {
   const { record, names, formulas } = bracket;
   try {
     const wanted = allNames(core, formulas);
-    const parameters = used(draft.parameters, wanted);
+    const parameters = used(draft.parameters, wanted, bracket);
     core.system({ bracket: record as never, hamiltonian: names[0], parameters: parameters as never, declared: unknown(wanted, bracket, parameters) }).free();
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;
@@ -119,8 +119,10 @@ function unknown(wanted: readonly string[], { names, fields }: BracketMade, para
   return [...new Set(wanted)].filter((name) => !known.has(name));
 }
 
-/** Parameters that formulas name, themselves or by an entry. */
-function used(parameters: Draft["parameters"], names: readonly string[]): Record<string, Given> {
+/** Parameters that formulas name, themselves or by an entry; a name that is that of a coordinate by now is none. */
+function used(parameters: Draft["parameters"], wanted: readonly string[], bracket: BracketMade): Record<string, Given> {
+  const coordinates = new Set([...bracket.names, ...Object.keys(bracket.fields)]);
+  const names = wanted.filter((name) => !coordinates.has(name));
   const has = (name: string, given: Given) => names.includes(name) || (typeof given !== "string" && given.some((_, k) => names.includes(`${name}${k + 1}`)));
   return Object.fromEntries(Object.entries(parameters).filter(([name, given]) => has(name, given)));
 }
@@ -135,7 +137,7 @@ function withParameters(core: Core, draft: Draft, bracket: BracketMade): { typed
   if (!core.names(hamiltonian).some((name) => coordinates.includes(name))) {
     throw new Wrong("hamiltonian", `H has none of the coordinates ${names.slice(0, 6).join(", ")}${names.length > 6 ? ", …" : ""}, so that nothing would move.`);
   }
-  const parameters = used(draft.parameters, wanted);
+  const parameters = used(draft.parameters, wanted, bracket);
   const missing = unknown(wanted, bracket, parameters);
   // the core takes names of the bracket for symbols
   for (const name of unknown(allNames(core, formulas), bracket, parameters)) parameters[name] = "1";
