@@ -64,7 +64,9 @@ class Opening:
         addresses = Addresses.of(record)
         if record is None:
             return cls(addresses, addresses.read(page.address), system, surfaces)
-        if len(surfaces) == 0 and record["saved"] is None and record["picture"] is None:
+        # an iterator, whose values are read once, is one of surfaces
+        has_surfaces = not isinstance(surfaces, Sequence) or len(surfaces) > 0  # pyright: ignore[reportUnnecessaryIsInstance]
+        if not has_surfaces and record["saved"] is None and record["picture"] is None:
             draft = Draft.of_system(system, record["start"], record["unit"])
             if draft is not None and draft.parameters:
                 addresses = Addresses.of_draft(draft)
