@@ -347,7 +347,7 @@ def example(key: str) -> Draft:
     )
 
 
-def bracket_of(table: Mapping[str, Any]) -> dict[str, str] | None:
+def bracket_of(table: Mapping[str, Any]) -> dict[str, Any] | None:
     """What is chosen and typed for the bracket of a system file; None where the page has no such bracket."""
     angles = ", ".join(table.get("angles", ()))
     if "canonical" in table:

@@ -130,27 +130,26 @@ def inspect(system: System | DampedSystem | HasNoise) -> Report:
     """
     from liepoisson.model.system import System
 
-    name, given = getattr(system, "name", ""), system
-    topics: list[Topic] = []
-    if not isinstance(given, System):  # that is asked for no attribute which it has not: NumPy would be loaded
-        system, topics = _beneath(given)
-    bracket, notation = system.bracket, VectorNotation(system.bracket)
+    name: str = getattr(system, "name", "")
+    # a system is asked for no attribute which it has not: NumPy would be loaded
+    itself, topics = (system, []) if isinstance(system, System) else _beneath(system)
+    bracket, notation = itself.bracket, VectorNotation(itself.bracket)
     # else nothing of g and A is left in the bracket, or it has none
     if bracket.has_algebra and (bracket.entries() or not bracket.constant):
         topics += [
-            unless_too_large("algebra", system, lambda: algebra_topic(bracket)),
-            unless_too_large("extension", system, lambda: extension_topic(bracket)),
+            unless_too_large("algebra", itself, lambda: algebra_topic(bracket)),
+            unless_too_large("extension", itself, lambda: extension_topic(bracket)),
         ]
-    bracket_topics, failures = _bracket_topics(system, notation)
-    motion, (integrals, refuted) = Motion(system, notation), integral_topic(system, notation)
+    bracket_topics, failures = _bracket_topics(itself, notation)
+    motion, (integrals, refuted) = Motion(itself, notation), integral_topic(itself, notation)
     topics += [
         *bracket_topics,
         motion.hamiltonian_topic(),
-        unless_too_large("equations", system, motion.equation_topic),
+        unless_too_large("equations", itself, motion.equation_topic),
         integrals,
-        kernel_topic(system),
+        kernel_topic(itself),
     ]
-    return Report(name, system.source, tuple(topics), (*failures, *refuted))
+    return Report(name, itself.source, tuple(topics), (*failures, *refuted))
 
 
 def _beneath(given: Any) -> tuple[System, list[Topic]]:
