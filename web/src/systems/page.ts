@@ -86,10 +86,6 @@ export class SystemPage extends Page<SystemState, SystemAction> {
     return { system, start: start.map((one) => one.value), surface, direction, axes, tol: tol.value, count: fan, added };
   }
 
-  private get isOneDegree(): boolean {
-    return this.system.components.length === 2 && this.system.invariants !== null;
-  }
-
   protected charted(): Charted {
     const { system, state } = this;
     const { name, modulus } = system.surfaces[state.surface];
@@ -97,7 +93,7 @@ export class SystemPage extends Page<SystemState, SystemAction> {
       axes: [system.components[state.axes[0]], system.components[state.axes[1]]],
       surface: shortened(name),
       modulus,
-      remark: aboutSurface(system, state.surface) ?? (this.isOneDegree ? "With one degree of freedom an orbit is a level curve of H: see the phase portrait." : null),
+      remark: aboutSurface(system, state.surface),
       direction: state.direction,
       time: state.time,
     };
