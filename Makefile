@@ -20,7 +20,7 @@ reproduce: $(VENV)/.built ## set up, then reproduce the paper: figure, data, cla
 	$(BIN)/liepoisson reproduce twisted-top --out $(OUT)
 
 # The extension is compiled by one thread; the Rust tests are compiled and run beside it, in a folder of their own.
-test: | tools ## set up, then run the tests (some 18 minutes from nothing on two cores)
+test: | tools ## set up, then run the tests (some 28 minutes from nothing on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 

@@ -145,3 +145,10 @@ def test_inspect_says_what_noise_keeps(command, shaken_body):
 def test_a_law_of_noise_needs_noise(command):
     code, _, err = command("stationary", "lagrange", "l3", "--t-end", 1, "--edges", "0,1")
     assert (code, "SYSTEM must be a file with a table [noise]; lagrange has no noise" in err) == (2, True)
+
+
+def test_steps_that_the_damping_cannot_take_are_told(command, shaken_body):
+    for name, more in (("orbit", ()), ("stationary", ("l3", "--edges", "-1:1:4", "--trajectories", 3))):
+        options = (*START, "--set", "beta=1000", "--t-end", 5, "--step", 0.1)
+        code, _, err = command(name, shaken_body, *more, *options)
+        assert (code, "damping relaxes (step too large): take a smaller --step.\n" in err) == (1, True), err

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, ShapeError
 
 STEP = lp.Splitting(step=0.02, order=2)
 ROUND = lp.catalog.euler_top_on("so(3)", [1, 1, 1])
@@ -43,6 +43,12 @@ def test_what_no_path_changes_has_no_passages(function, change, words):
     options = {"noises": EACH, "t_end": 1, "method": STEP} | change
     with pytest.raises(ParameterError, match=f"function: .* {words}"):
         lp.stochastic.first_passages(ROUND, [0, 0, 1], function=function, **options)
+
+
+def test_a_function_that_is_not_real_at_a_start_has_no_side():
+    starts = [[0, 0, 1], [np.nan, 0, 0], [0, 0, -1]]
+    with pytest.raises(ParameterError, match="function: wanted one that is a real number .* none at start 2"):
+        lp.stochastic.first_passages(ROUND, starts, function="sqrt(l3) - 1/2", noises=EACH, t_end=1, method=STEP)
 
 
 def test_energy_which_noise_moves_has_passages():
@@ -118,9 +124,14 @@ def test_a_histogram_in_parts_is_the_whole(monkeypatch):
     parts = lp.stochastic.stationary_law(ROUND, [[1, 0, 0], [np.nan, 0, 0]], "l3", **options)
     np.testing.assert_array_equal(parts.fraction, whole.fraction)
     assert whole.outcome.tolist() == ["finished", "not finite"]
-    for wrong in ({"edges": [1, 0]}, {"transient": 3}, {"n_samples": 0}):
+    for wrong in ({"transient": 3}, {"n_samples": 0}):
         with pytest.raises(ParameterError):
             lp.stochastic.stationary_law(ROUND, [1, 0, 0], "l3", **options | wrong)
+    for edges in ([1, 0], [0, 1, 1], [0, math.inf], [0, math.nan]):
+        with pytest.raises(ParameterError, match="edges: wanted finite increasing numbers"):
+            lp.stochastic.stationary_law(ROUND, [1, 0, 0], "l3", **options | {"edges": edges})
+    with pytest.raises(ShapeError, match="2 or more edges"):
+        lp.stochastic.stationary_law(ROUND, [1, 0, 0], "l3", **options | {"edges": [1]})
 
 
 def test_the_exponent_of_a_damped_spin_is_the_mean_of_its_contraction():

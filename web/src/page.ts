@@ -22,8 +22,8 @@ import { PRISTINE } from "./state/pristine";
 import { palette as currentPalette, type Palette } from "./style/palette";
 import { plain } from "./symbols";
 import type { SystemDescription } from "./systems/description";
-import type { FanJob } from "./systems/fan/computation";
-import { FanSection } from "./systems/fan/panel";
+import type { FanJob } from "./fan/computation";
+import { FanSection } from "./fan/panel";
 import { Client } from "./worker/client";
 import type { Job, SystemJob, Update } from "./worker/messages";
 
@@ -65,8 +65,6 @@ export interface Kind {
   /** To whose values the start can be moved. */
   readonly conserved: readonly string[];
   readonly help: Help;
-  /** The system of guided tours; none of those of tops. */
-  readonly tours?: string;
 }
 
 /** The view of the motion. */
@@ -102,7 +100,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     this.lyapunov = new LyapunovPanel(find("lyapunov"), clock);
     this.drift = new DriftPanel(find("drift"), clock);
     this.tours = new Tours<State>(find<HTMLDialogElement>("tours"), find<HTMLDialogElement>("tour"), {
-      ...(kind.tours === undefined ? {} : { system: kind.tours }),
+      system: () => this.ofTours(),
       now: () => this.state,
       set: (to) => this.set(withPartsOf(this.state, to)),
       read: (address) => ({ ...this.readStep(address), theme: this.state.theme, playing: this.state.playing }),
@@ -139,6 +137,16 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
   /** What keys do that only this page has; those of numbers from 1 on. */
   protected abstract readonly keys: Readonly<Record<string, () => void>>;
   protected abstract numbered(number: number): (() => void) | undefined;
+
+  /** The system of the guided tours that it can show; none for those of tops. */
+  protected ofTours(): string | undefined {
+    return undefined;
+  }
+
+  /** Begins a guided tour of those that the page brings. */
+  guide(number: string): void {
+    this.tours.follow(`tour=${number}`);
+  }
 
   /** The state of a step of a tour. */
   protected readStep(address: string): State {
@@ -297,7 +305,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
 
   private sharing(): void {
     const title = [find("title").textContent, "the laboratory of liepoisson"].filter(Boolean).join(", ");
-    this.dialog.open({ base: location.href.split(/[?#]/)[0], address: this.written(), title, file: this.exported().file, pristine: PRISTINE });
+    this.dialog.open({ base: location.href.split(/[?#]/)[0], address: this.written(), title, file: this.exported().file, pristine: PRISTINE, moves: this.state.playing });
   }
 
   /** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */
@@ -341,6 +349,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
       r: () => this.act({ do: "time", time: 0 }),
       t: () => this.nextTheme(),
       s: () => void this.share(),
+      e: () => this.sharing(),
       p: () => void this.python(),
       h: () => this.tours.choose(),
       "?": () => openHelp(find<HTMLDialogElement>("keys")),
@@ -354,12 +363,15 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     does();
   }
 
+  /** What is shown, for pictures and tables. */
+  private shown(): Now {
+    const { results, palette, kind: { clock, coordinates: { components } } } = this;
+    return { charted: this.charted(), results, palette, clock, components, ...this.exported() };
+  }
+
   /** Menus of pictures and tables in all panels. */
   private saving(): void {
-    const now = (): Now => {
-      const { results, palette, kind: { clock, coordinates: { components } } } = this;
-      return { charted: this.charted(), results, palette, clock, components, ...this.exported() };
-    };
+    const now = () => this.shown();
     const { fan, section, portrait, lyapunov, drift } = this;
     const sections: Chart = {
       plot: section.plot,
@@ -372,11 +384,12 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     exports(find("drift"), "drift", drift, tables.drift, now);
     const title = () => ["title", "subtitle", "clock"].map((id) => find(id).textContent).filter(Boolean).join(", ");
     menu(find("scene"), "view", [["picture, PNG", () => savePicture(`${this.exported().file}-${this.viewName()}.png`, this.picture(title()))]]);
-    this.flatPicture = (chart, words) => pictureOf(chart, words, now());
   }
 
   /** The picture of a view in the plane. */
-  protected flatPicture!: (chart: Chart, title: string) => HTMLCanvasElement;
+  protected flatPicture(chart: Chart, title: string): HTMLCanvasElement {
+    return pictureOf(chart, title, this.shown());
+  }
 
   /** With which the name of a picture of the view ends. */
   protected abstract viewName(): string;

@@ -41,10 +41,25 @@ export class Motion {
 
   readonly chunks: Chunk[] = [];
   private readonly begins: number[] = [];
+  /** Of each number of a state, the smallest and the largest that there was. */
+  private readonly bounds: [low: number, high: number][] = Array.from({ length: this.width }, () => [Infinity, -Infinity]);
 
   add(chunk: Chunk): void {
     this.chunks.push(chunk);
     this.begins.push(chunk.times[0]);
+    const { states } = chunk;
+    this.bounds.forEach((bound, column) => {
+      for (let at = column; at < states.length; at += this.width) {
+        bound[0] = Math.min(bound[0], states[at]);
+        bound[1] = Math.max(bound[1], states[at]);
+      }
+    });
+  }
+
+  /** A range of a component below which a chart would show nothing but the last digits of an orbit that hardly moves. */
+  least(column: number, among: number): number {
+    const spans = this.bounds.slice(0, among).map(([low, high]) => Math.max(high - low, 0));
+    return Math.max(spans[column] / 50, Math.max(...spans) / 500);
   }
 
   get end(): number {

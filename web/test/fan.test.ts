@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { beforeAll, describe, expect, test } from "vitest";
 import { Core } from "../src/core/core.js";
 import { exact } from "../src/state/exact";
-import { fan, withoutFan, type FanJob, type FanUpdate } from "../src/systems/fan/computation";
+import { fan, withoutFan, type FanJob, type FanUpdate } from "../src/fan/computation";
 import { begun, changed } from "../src/systems/state";
 import { BRACKETS, draftOf } from "../src/systems/typing/draft";
 import { made, type Made } from "../src/systems/typing/made";

@@ -6,8 +6,8 @@ import { asPython, facts } from "../src/tops/export";
 import { SvgContext } from "../src/export/svg";
 import { csv } from "../src/export/table";
 import { curveOf, type Levels } from "../src/panels/levels";
-import { codeOf, frameLine, pageWith } from "../src/panels/share";
-import { exact, NotANumber, shortest } from "../src/state/exact";
+import { codeOf, frameLine, fromStart, pageWith } from "../src/panels/share";
+import { exact, NotANumber, nudged, shortest } from "../src/state/exact";
 import { Refused } from "../src/state/everyday";
 import { begun, changed, sameRun, type Laboratory } from "../src/state/laboratory";
 import { read, written } from "../src/state/url";
@@ -24,6 +24,13 @@ describe("exact numbers", () => {
   test("a double is written with all of its digits", () => {
     for (const value of [0.1, 1 / 3, -(2 ** -40), 123456.789]) expect(exact(shortest(value).text).value).toBe(value);
   });
+});
+
+test.each([
+  ["0.30", 1, "0.31"], ["0.30", -1, "0.29"], ["−0.01", 1, "0.00"], ["0.0", -1, "−0.1"], ["9", 1, "10"], [".5", 1, "0.6"], ["1.", 1, "2"],
+  ["1/3", 1, null], ["1e-3", 1, null], ["", 1, null], ["-", 1, null], [".", 1, null], ["0.1234567890123", 1, null],
+])("the last digit of %j moved by %i is %j", (text, by, wanted) => {
+  expect(nudged(text, by)).toBe(wanted);
 });
 
 describe("the reducer", () => {
@@ -158,6 +165,8 @@ describe("what is handed on", () => {
     expect(pageWith(once.replace("<!doctype html>\n", ""), "v=2").match(/id="address"/g)).toHaveLength(1);
   });
   test("a line for another page is no markup but its own", () => {
+    expect(fromStart("v=1&preset=sticky&t=12.5&speed=2")).toBe("v=1&preset=sticky&t=0&speed=2");
+    expect(fromStart("v=1&start=1,2")).toBe("v=1&start=1,2");
     expect(frameLine('https://a.b/?embed=1#v=1&x="<b>', '"><script>')).toMatch(/^<iframe src="https:\/\/a\.b\/\?embed=1#v=1&amp;x=&quot;&lt;b>" title="&quot;>&lt;script>" width="100%" /);
   });
   test("the code of an address is read back", () => {

@@ -226,17 +226,22 @@ def noise_lines(run: Any) -> list[str]:
     return [f"noise    {', '.join(run.noises) or 'none'}{damped}; seed {run.seed}"]
 
 
+_REASONS = {
+    "step too small": "all orbits left every bounded region, or ran into a singularity (step too small): take a lower "
+    "energy, other starts, or an earlier --t-end",
+    "step too large": "the steps are not short beside the times in which the damping relaxes (step too large): take "
+    "a smaller --step",
+}
+"""What is said where all runs ended in the same way."""
+
+
 def check_that_some_finished(outcome: NDArray[Any]) -> None:
     """End the command where no run finished, with the reason on standard error."""
     names = sorted({str(name) for name in outcome})
     if "finished" in names:
         return
-    if names == ["step too small"]:
-        reason = (
-            "all orbits left every bounded region, or ran into a singularity (step too small): take a lower energy, "
-            "other starts, or an earlier --t-end"
-        )
-    else:
+    reason = _REASONS.get(names[0]) if len(names) == 1 else None
+    if reason is None:
         reason = f"no run finished ({', '.join(names)})"
     print(f"liepoisson: {reason}.", file=sys.stderr)
     raise typer.Exit(NO_RUN)

@@ -140,7 +140,7 @@ def first_passages(
 
     Raises:
         ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`; also a start on the surface, or a
-            function that is constant along every path.
+            function that is constant along every path or no real number at a start.
         KeyboardInterrupt: Ctrl-C.
 
     References:
@@ -152,9 +152,16 @@ def first_passages(
     check_that_it_varies(noise.system, as_formula(function, "function"), "function", noises=noise.texts)
     end = as_time(t_end, "t_end", example=100)
     states = noise.start
-    side = np.sign(np.asarray(value(states)))
-    if (side[np.isfinite(states).all(axis=1)] == 0).any():
+    with np.errstate(all="ignore"):
+        side = np.sign(np.asarray(value(states)))
+    known = side[np.isfinite(states).all(axis=1)]
+    if (known == 0).any():
         raise ParameterError("function: wanted one that is not zero at the starts; got a start on it; move it off")
+    if np.isnan(known).any():
+        raise ParameterError(
+            f"function: wanted one that is a real number at the starts; {shown(str(function))} is none at start "
+            f"{int(np.flatnonzero(np.isnan(side) & np.isfinite(states).all(axis=1))[0])}; move it"
+        )
     n_steps = max(1, math.ceil(end / method.step * (1.0 - 2 * np.finfo(float).eps)))
     time, coarse = np.full(len(states), np.nan), np.full(len(states), np.nan)
     outcome, last = np.full(len(states), "finished", dtype="U15"), states.copy()

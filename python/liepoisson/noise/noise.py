@@ -220,10 +220,15 @@ def pieces_of_noise(system: Any, noise: Any, text: str) -> tuple[Piece, ...]:
     try:
         pieces = commuting_pieces_of(system.bracket, expression)
     except UnsupportedFieldError as error:
+        if system.bracket.is_casimir(expression, symbols=sorted(map(str, expression.free_symbols))):
+            raise _moves_nothing(text) from error
         raise UnsupportedFieldError(f"noises: {shown(text)} has no exact flow; {error}") from error
     if not pieces and not is_zero(expression):
-        raise ParameterError(
-            f"noises: wanted functions that move something, or 0; got {shown(text)}, a function of Casimirs; leave it "
-            "out"
-        )
+        raise _moves_nothing(text)
     return pieces
+
+
+def _moves_nothing(text: str) -> ParameterError:
+    return ParameterError(
+        f"noises: wanted functions that move something, or 0; got {shown(text)}, a function of Casimirs; leave it out"
+    )

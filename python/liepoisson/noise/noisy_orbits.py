@@ -94,7 +94,8 @@ def noisy_orbits(
     $$dx = \{x,H\}\,dt - \tfrac\beta2\sum_k\{H,H_k\}\{x,H_k\}\,dt + \sum_k\{x,H_k\}\circ dW_k ,$$
 
     for which $e^{-\beta H}$ is stationary with respect to Liouville's measure on each leaf.  It is the flow of $H_k$
-    for a time that depends on the state, found by the midpoint rule: it stays on the leaf, too.
+    for a time that depends on the state, found by the midpoint rule: it stays on the leaf, too.  Steps must be short
+    beside the times in which it relaxes: $h\frac\beta2\sum_k|\{\{H,H_k\},H_k\}| \le \frac12$.
 
     Example:
         >>> top = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
@@ -118,7 +119,9 @@ def noisy_orbits(
 
     Returns:
         NoisyOrbits; a trajectory that fails is an outcome in it, not an error: "not finite" where an increment turns
-        the state further than the flow of a piece can follow (a generator times the increment beyond 4096).
+        the state further than the flow of a piece can follow (a generator times the increment beyond 4096), "step too
+        large" where the damping needs a shorter one: beyond the bound above the law could be wider than that of
+        Gibbs by a tenth.
 
     Raises:
         ShapeError: An array has another shape than stated.

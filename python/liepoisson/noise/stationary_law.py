@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_time
 from liepoisson.indicators.mean_error import mean_over_starts
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
 from liepoisson.noise.noise import Noise, Noises, NoisyRun, steps_taken
 from liepoisson.numeric.method.splitting import Splitting
 from liepoisson.numeric.run import outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.starts import StartsLike, as_times
+from liepoisson.numeric.starts import StartsLike, as_values
 from liepoisson.numeric.systems import HasBracket
 
 
@@ -135,9 +135,7 @@ def stationary_law(
         ShapeError, ParameterError, UnsupportedFieldError: as for `noisy_orbits`.
         KeyboardInterrupt: Ctrl-C.
     """
-    bins, end = as_times(edges, "edges", least=2), as_time(t_end, "t_end", example=100)
-    if bins[1] < bins[0]:
-        raise ParameterError("edges: wanted increasing numbers; got decreasing ones; turn them round")
+    bins, end = _as_edges(edges), as_time(t_end, "t_end", example=100)
     before = as_positive(transient, "transient", f"a time from 0 to below {end:g}", example=end / 2, zero=True)
     if before >= end:
         raise ParameterError(f"transient: wanted a time from 0 to below {end:g}; got {before:g}; try {end / 2:g}")
@@ -170,3 +168,19 @@ def stationary_law(
         fraction=counts / count,
         outcome=outcome,
     )
+
+
+def _as_edges(edges: ArrayLike) -> Array:
+    """A copy of the edges of bins: finite increasing numbers, two or more.
+
+    Raises:
+        ShapeError, ParameterError: they are none.
+    """
+    bins = np.atleast_1d(as_values(edges, "edges"))
+    check_shape(bins.ndim == 1 and len(bins) >= 2, "edges", "(edge,) with 2 or more edges", bins)
+    if not np.isfinite(bins).all() or not (np.diff(bins) > 0).all():
+        raise ParameterError(
+            f"edges: wanted finite increasing numbers; got {np.array2string(bins, threshold=6)}; sort them and drop "
+            "repeated ones"
+        )
+    return bins

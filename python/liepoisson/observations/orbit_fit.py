@@ -491,7 +491,7 @@ def _as_guesses(system: EquationsOfMotion, data: Observations, starts: Any, begi
         elif not told[k] and starts is None and not (clock is not None and name == "p_t"):
             raise ParameterError(
                 f"starts: wanted the start of each component; {name} is not observed, and no start was given; give a "
-                f'guess, starts={{"{name}": 0}}'
+                f'guess, starts={{"{name}": 0}} (--start {name}=0)'
             )
     return states
 

@@ -3,6 +3,7 @@
 import type { Results } from "../results";
 import { exact, type Exact } from "../state/exact";
 import { element, plain } from "../symbols";
+import { stepsByArrows } from "./entry";
 
 interface Does {
   /** Invariants to whose values the start can be moved. */
@@ -14,8 +15,10 @@ interface Does {
 
 export class Conserved {
   readonly list = document.createElement("dl");
-  /** Moves the start; seen where something is entered. */
-  readonly reach = document.createElement("button");
+  /** What a value is entered for; a button that moves the start, once one is. */
+  readonly reach = document.createElement("span");
+  private readonly hint = Object.assign(document.createElement("em"), { textContent: "enter a value", title: "The start moves to the nearest state that has it" });
+  private readonly button = document.createElement("button");
   /** Values that were entered, and that the start does not have yet. */
   private wanted: Record<string, Exact> = {};
   /** Entries that the user has written into. */
@@ -26,8 +29,10 @@ export class Conserved {
 
   constructor(private readonly does: Does) {
     this.list.id = "invariants";
-    Object.assign(this.reach, { type: "button", hidden: true, textContent: "start there ⏎", title: "Move the start to the nearest state with these values (Enter)" });
-    this.reach.addEventListener("click", () => this.project());
+    this.reach.className = "reach";
+    this.reach.append(this.hint, this.button);
+    Object.assign(this.button, { type: "button", hidden: true, textContent: "start there ⏎", title: "Move the start to the nearest state with these values (Enter)" });
+    this.button.addEventListener("click", () => this.project());
   }
 
   /** Shows the invariants at a time. */
@@ -69,6 +74,7 @@ export class Conserved {
     input.setAttribute("aria-label", `${plain(name)}, value that the start is to have`);
     input.addEventListener("focus", () => input.select());
     input.addEventListener("input", () => this.drafts.add(name));
+    stepsByArrows(input);
     input.addEventListener("change", () => this.read(name, input));
     input.addEventListener("keydown", (event) => {
       if (event.key === "Enter" && this.read(name, input)) this.project();
@@ -89,8 +95,13 @@ export class Conserved {
       this.does.refuse(`${plain(name)}: ${(error as Error).message}`);
     }
     input.classList.toggle("chosen", name in this.wanted);
-    this.reach.hidden = Object.keys(this.wanted).length === 0;
+    this.offer();
     return name in this.wanted;
+  }
+
+  private offer(): void {
+    this.button.hidden = Object.keys(this.wanted).length === 0;
+    this.hint.hidden = !this.button.hidden;
   }
 
   private project(): void {
@@ -101,7 +112,7 @@ export class Conserved {
   private forget(): void {
     this.wanted = {};
     this.drafts.clear();
-    this.reach.hidden = true;
+    this.offer();
     for (const shown of this.values) {
       shown.classList.remove("chosen");
       shown.removeAttribute("aria-invalid");

@@ -7,6 +7,7 @@ import type { Direction } from "../state/everyday";
 import type { Action, Frame, Laboratory } from "../state/laboratory";
 import { element, plain } from "../symbols";
 import { Conserved } from "./conserved";
+import { exactEntry } from "./entry";
 
 type Do = (action: Action) => void;
 const VIEWS: readonly (readonly [Frame, string])[] = [["space", "body in space"], ["body", "from the body"], ["momentum", "energy ellipsoid"], ["rod", "elastic rod"]];
@@ -119,22 +120,11 @@ export class ControlsPanel {
   private entry(name: string, among: readonly string[], slider: { chosen: string }): HTMLInputElement {
     const index = among.indexOf(name);
     const parameter = among === parameters;
-    const input = document.createElement("input");
-    Object.assign(input, { type: "text", inputMode: "text", autocomplete: "off", spellcheck: false, maxLength: 40 });
-    input.setAttribute("aria-label", `${plain(name)}, exact value`);
     const set = (to: Exact) => this.act({ do: parameter ? "parameter" : "start", index, to });
+    const input = exactEntry(name, set, this.refuse);
     input.addEventListener("focus", () => {
       slider.chosen = name;
       this.choose();
-    });
-    input.addEventListener("change", () => {
-      try {
-        set(exact(input.value));
-        input.removeAttribute("aria-invalid");
-      } catch (error) {
-        input.setAttribute("aria-invalid", "true");
-        this.refuse(`${plain(name)}: ${(error as Error).message}`);
-      }
     });
     this.entries.push({ name, input, of: (lab) => (parameter ? lab.parameters : lab.start)[index], set });
     return input;

@@ -222,7 +222,7 @@ export class Plot {
     }
     c.textAlign = "right";
     // where the name of an axis stands, a number has no place
-    const hasPlace = (value: number) => !this.y.name || this.py(value) >= TOP + NAME;
+    const hasPlace = (value: number) => !this.y.name || this.py(value) >= TOP + NAME + 4;
     for (const { value, text } of ticks(this.y, (height - TOP - BOTTOM) / 45, hasPlace)) {
       const at = Math.round(this.py(value)) + 0.5;
       line(c, value === 0 && !this.y.log ? palette.zero : palette.grid, LEFT, at, width - RIGHT, at);
@@ -356,8 +356,8 @@ function powerOfTen(power: number): string {
   return `10^${String(power).replace("-", "−")}`;
 }
 
-/** A range with a margin, but within its turn; never empty. */
-export function padded([low, high]: Range, turn: Turn | null = null): Range {
-  const room = Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1)) * MARGIN;
+/** A range with a margin, but within its turn; never empty, and never shorter than `least`. */
+export function padded([low, high]: Range, turn: Turn | null = null, least = 0): Range {
+  const room = Math.max(Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1)) * MARGIN, (least - (high - low)) / 2);
   return turn ? [Math.max(low - room, turn[0]), Math.min(high + room, turn[1])] : [low - room, high + room];
 }

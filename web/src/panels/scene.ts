@@ -5,12 +5,10 @@
  */
 
 import {
-  ACESFilmicToneMapping, AmbientLight, BufferGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
-  DirectionalLight, Float32BufferAttribute, Group, GreaterDepth, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
-  MeshStandardMaterial, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Quaternion, Scene, ShadowMaterial, SphereGeometry,
-  TorusGeometry, Vector3, WebGLRenderer, type Material, type Object3D,
+  ACESFilmicToneMapping, BufferGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
+  DirectionalLight, Float32BufferAttribute, Group, GreaterDepth, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
+  MeshStandardMaterial, PCFShadowMap, PMREMGenerator, Quaternion, ShadowMaterial, SphereGeometry, TorusGeometry, Vector3, type Material, type Object3D,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { RoomEnvironment } from "three/examples/jsm/environments/RoomEnvironment.js";
 import type { Results } from "../results";
 import type { Laboratory } from "../state/laboratory";
@@ -20,6 +18,7 @@ import { MomentumView } from "./momentum";
 import { ball, emptied, pictureOfView, quaternionOf, rod, stripes } from "./parts";
 import { Ribbon } from "./ribbon";
 import { RodView } from "./rod";
+import { Stage } from "./stage";
 
 /** Longest half axis, and longest vector, in units of the scene. */
 const BODY = 0.95;
@@ -45,14 +44,7 @@ const VECTORS = [
 /** Of the vectors at the end of a rod. */
 const AT_END = 0.6;
 
-export class ScenePanel {
-  /** Without WebGL there is a message, and everything else goes on. */
-  readonly works: boolean;
-  readonly software: boolean = false;
-  private renderer!: WebGLRenderer;
-  private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(32, 1, 0.1, 60);
-  private controls!: OrbitControls;
+export class ScenePanel extends Stage {
   private readonly body = new Group();
   private readonly ghost = new Group();
   private readonly arrows = VECTORS.map(() => arrow());
@@ -64,16 +56,13 @@ export class ScenePanel {
   private readonly rod = new RodView();
   private readonly axisNames: HTMLElement[];
   private shown: string | null = null;
-  private readonly holder: HTMLElement;
   private readonly legend: HTMLElement;
   private built: unknown = null;
   private scales = [1, 1, 1];
   private scaledFor: Results | null = null;
-  private height = 0;
-  dirty = true;
 
   constructor(panel: HTMLElement, quality: "low" | "full" | null) {
-    this.holder = panel.querySelector(".view") as HTMLElement;
+    super(panel.querySelector(".view") as HTMLElement, quality, { name: "the moving body", label: "The moving top with its vectors.", eye: 2.35, middle: -0.12 });
     this.legend = panel.querySelector(".legend") as HTMLElement;
     this.labels = VECTORS.map(({ name }) => {
       const label = element(name);
@@ -89,77 +78,37 @@ export class ScenePanel {
     });
     this.body.scale.setScalar(SIZE);
     this.ghost.scale.setScalar(SIZE);
-    this.works = this.begin(quality);
     if (!this.works) return;
-    this.momentum = new MomentumView(this.software);
-    this.scene.add(this.body, this.ghost, this.floor, this.momentum, this.rod, this.axisTrail, ...this.trails, ...this.arrows);
-    this.holder.append(...this.labels, ...this.axisNames);
-    new ResizeObserver(() => this.resize()).observe(this.holder);
-    this.resize();
-  }
-
-  private begin(quality: "low" | "full" | null): boolean {
-    try {
-      this.renderer = new WebGLRenderer({ antialias: quality !== "low", alpha: true, preserveDrawingBuffer: true });
-    } catch {
-      const message = document.createElement("p");
-      message.className = "none";
-      message.textContent = "This browser shows no WebGL, so the moving body cannot be drawn. All charts go on.";
-      this.holder.append(message);
-      return false;
-    }
-    const { renderer, camera } = this;
-    const context = renderer.getContext();
-    const known = context.getExtension("WEBGL_debug_renderer_info");
-    const name = String(context.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : context.RENDERER));
-    const slow = /swiftshader|llvmpipe|software|basic render/i.test(name);
-    (this as { software: boolean }).software = quality ? quality === "low" : slow;
-    renderer.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio, 2));
+    const { renderer } = this;
     renderer.toneMapping = ACESFilmicToneMapping;
     renderer.toneMappingExposure = 1.05;
     renderer.shadowMap.enabled = !this.software;
     renderer.shadowMap.type = PCFShadowMap;
-    renderer.domElement.setAttribute("role", "img");
-    renderer.domElement.setAttribute("aria-label", "The moving top with its vectors. Drag or use Shift and the arrow keys to turn the view.");
-    this.holder.append(renderer.domElement);
-    camera.up.set(0, 0, 1);
-    camera.position.set(4.9, -5.6, 2.35);
-    this.controls = new OrbitControls(camera, renderer.domElement);
-    Object.assign(this.controls, { enablePan: false, minDistance: 3.5, maxDistance: 16, maxPolarAngle: 1.75 });
-    this.controls.target.set(0, 0, -0.12);
-    this.controls.addEventListener("change", () => (this.dirty = true));
-    this.controls.update();
-    if (!this.software) {
-      const maker = new PMREMGenerator(renderer);
-      this.scene.environment = maker.fromScene(new RoomEnvironment(), 0.03).texture;
-      this.scene.environmentIntensity = 0.55;
-      maker.dispose();
-    }
     this.lights();
-    return true;
+    this.momentum = new MomentumView(this.software);
+    this.scene.add(this.body, this.ghost, this.floor, this.momentum, this.rod, this.axisTrail, ...this.trails, ...this.arrows);
+    this.holder.append(...this.labels, ...this.axisNames);
+    this.fits();
   }
 
   private lights(): void {
     const sun = new DirectionalLight(0xffffff, 2.3);
-    sun.position.set(2.2, -2.6, 6);
     sun.castShadow = true;
     sun.shadow.mapSize.set(2048, 2048);
     sun.shadow.radius = 7;
     sun.shadow.bias = -0.0004;
     sun.shadow.normalBias = 0.04;
     Object.assign(sun.shadow.camera, { left: -3, right: 3, top: 3, bottom: -3, near: 1, far: 12 });
-    this.scene.add(sun, new HemisphereLight(0xffffff, 0x8a8f9a, this.software ? 1.7 : 0.7), new AmbientLight(0xffffff, 0.15));
+    this.light(sun, this.software ? 1.7 : 0.7, 0.15);
+    if (this.software) return;
+    const maker = new PMREMGenerator(this.renderer);
+    this.scene.environment = maker.fromScene(new RoomEnvironment(), 0.03).texture;
+    this.scene.environmentIntensity = 0.55;
+    maker.dispose();
   }
 
-  /** Turns the view by angles. */
-  turn(azimuth: number, polar: number): void {
-    if (!this.works) return;
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    const side = new Vector3().crossVectors(this.camera.up, offset).normalize();
-    offset.applyAxisAngle(this.camera.up, azimuth).applyAxisAngle(side, polar);
-    this.camera.position.copy(this.controls.target).add(offset);
-    this.controls.update();
-    this.dirty = true;
+  protected ribbons(): readonly Ribbon[] {
+    return [...this.trails, this.axisTrail];
   }
 
   draw(lab: Laboratory, results: Results, palette: Palette): void {
@@ -186,19 +135,6 @@ export class ScenePanel {
   /** For tests: how far the body reaches, and how long the vectors are. */
   sizes(): [number, number[]] {
     return [SIZE * BODY, this.arrows.map((one) => (one.userData.tip as Vector3).length())];
-  }
-
-  private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.holder;
-    if (!width || !height) return;
-    this.height = height;
-    this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    // a narrow page sees the same width
-    this.camera.fov = width / height < 1.15 ? 32 * Math.min(1.15 / (width / height), 1.6) : 32;
-    this.camera.updateProjectionMatrix();
-    for (const trail of [...this.trails, this.axisTrail]) trail.material.uniforms.size.value.set(width, height);
-    this.dirty = true;
   }
 
   private build(lab: Laboratory, palette: Palette): void {
@@ -235,7 +171,7 @@ export class ScenePanel {
     const of = {
       body: () => [
         ...VECTORS.map(({ name, words }, k) => entry(name, words, colours[k])),
-        entry("a", "centre of mass", palette.a),
+        ...(numbers.slice(3, 6).some(Boolean) ? [entry("a", "centre of mass", palette.a)] : []),
         ...(numbers.slice(6, 9).some(Boolean) ? [entry("b", "centre of charge", palette.b)] : []),
       ],
       rod: () => VECTORS.map(({ name, ofRod }, k) => entry(name, ofRod, colours[k])),

@@ -65,7 +65,7 @@ export class SectionPanel {
       const [x, y] = this.columns.map((column) => {
         const turn = turns[column];
         const values = rows.map((row) => within(row[column], turn));
-        const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))], turn) : ([-1, 1] as const);
+        const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))], turn, results.top.least(column, components.length)) : ([-1, 1] as const);
         return { range, name: components[column], turn };
       });
       plot.fit(x, y);

@@ -36,6 +36,13 @@ export interface Shared {
   /** With which the name of a file begins. */
   readonly file: string;
   readonly pristine: string;
+  /** Whether it moves: then another page begins at its start. */
+  readonly moves: boolean;
+}
+
+/** An address that begins at the start of its orbit. */
+export function fromStart(address: string): string {
+  return address.replace(/(^|&)t=[^&]*/, "$1t=0");
 }
 
 /** Whether nobody else can open an address: it is that of a file, or of this machine. */
@@ -71,10 +78,10 @@ export class ShareDialog {
   }
 
   open(shared: Shared): void {
-    const { base, address, title } = (this.shared = shared);
+    const { base, address, title, moves } = (this.shared = shared);
     const url = `${base}#${address}`;
     this.link.value = url;
-    this.line.value = frameLine(`${base}?embed=1#${address}`, title);
+    this.line.value = frameLine(`${base}?embed=1#${moves ? fromStart(address) : address}`, title);
     const local = isLocal(base);
     this.note.hidden = !local;
     this.note.textContent = "This page is on your machine, so others cannot open its address: send them the file, or put the page on a server.";

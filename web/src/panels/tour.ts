@@ -7,11 +7,12 @@ import { addressOf, checkSteps, LONGEST, tourOf, type Tour } from "../data/tour"
 import { tours } from "../data/tours";
 import { Refused } from "../state/everyday";
 import { place } from "../state/place";
+import { CARRIED } from "../systems/description";
 
 /** What a tour does with the page in which it runs. */
 export interface Stage<State> {
   /** The system of the page; none on that of tops. */
-  readonly system?: string;
+  system(): string | undefined;
   now(): State;
   set(state: State): void;
   /** The state of an address, seen as the present one is: with its theme, at rest or not.  Throws `Refused`. */
@@ -19,8 +20,9 @@ export interface Stage<State> {
   tell(message: string): void;
 }
 
-/** An address that is a tour. */
+/** An address that is a tour: its text, or the number of one that the page brings. */
 const LINK = "tour=";
+const NUMBER = /^tour=([1-9]\d?)$/;
 
 export class Tours<State> {
   private tour: Tour | null = null;
@@ -51,12 +53,13 @@ export class Tours<State> {
       else return;
       event.preventDefault();
     });
-    this.fill();
   }
 
   /** Shows the choice. */
   choose(): void {
-    if (!this.box.open) this.choice.showModal();
+    if (this.box.open) return;
+    this.fill();
+    this.choice.showModal();
   }
 
   isLink(address: string): boolean {
@@ -65,6 +68,13 @@ export class Tours<State> {
 
   /** Begins the tour that an address is. */
   follow(address: string): void {
+    const number = NUMBER.exec(address)?.[1];
+    if (number !== undefined) {
+      const tour = tours[Number(number) - 1];
+      if (tour && tour.system === this.stage.system()) this.begin(tour);
+      else this.refuse("link", tour ? `it is for the page of ${tour.system ?? "tops"}` : `the page has tours 1 to ${tours.length}`);
+      return;
+    }
     // a text has at most twelve characters of a link for one of its own
     if (address.length > 12 * LONGEST) this.refuse("link", "it is too long");
     else this.open("link", () => decodeURIComponent(address.slice(LINK.length)));
@@ -72,7 +82,7 @@ export class Tours<State> {
 
   private fill(): void {
     const list = document.createElement("ul");
-    const here = tours.filter(({ system }) => system === this.stage.system);
+    const here = tours.filter(({ system }) => system === this.stage.system());
     for (const tour of here) {
       const item = document.createElement("li");
       const choose = button(tour.title, () => this.begin(tour));
@@ -80,19 +90,14 @@ export class Tours<State> {
       item.append(choose);
       list.append(item);
     }
-    const elsewhere = tours.filter((tour) => !here.includes(tour)).map(({ title, system }) => {
-      const [line, command] = [document.createElement("p"), document.createElement("code")];
-      command.textContent = ["liepoisson lab", system].filter(Boolean).join(" ");
-      line.append(`${title}: on the page that `, command, " opens.");
-      return line;
-    });
+    for (const tour of tours) if (!here.includes(tour)) list.append(elsewhere(tour));
     const file = Object.assign(document.createElement("input"), { type: "file", accept: ".json,application/json" });
     file.addEventListener("change", () => void this.readFile(file));
     const label = document.createElement("label");
     label.append("A tour from a file ", file);
     const form = Object.assign(document.createElement("form"), { method: "dialog" });
     form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
-    this.choice.append(Object.assign(heading("tours-h"), { textContent: "Guided tours" }), list, ...elsewhere, label, form);
+    this.choice.replaceChildren(Object.assign(heading("tours-h"), { textContent: "Guided tours" }), list, label, form);
   }
 
   private async readFile(input: HTMLInputElement): Promise<void> {
@@ -112,7 +117,7 @@ export class Tours<State> {
     try {
       const text = given();
       const tour = tourOf(text);
-      if (tour.system !== this.stage.system) throw new Refused(`it is for the page of ${tour.system ?? "tops"}`);
+      if (tour.system !== this.stage.system()) throw new Refused(`it is for the page of ${tour.system ?? "tops"}`);
       checkSteps(tour, this.stage.read);
       this.begin(tour, text);
     } catch (error) {
@@ -160,6 +165,24 @@ export class Tours<State> {
     if (early && this.before) this.stage.set(this.before);
     if (this.focused instanceof HTMLElement) this.focused.focus();
   }
+}
+
+/** A tour of another page: a link to it, where pages of tops and of typed systems are one; else its name with the command. */
+function elsewhere(tour: Tour): HTMLElement {
+  const item = document.createElement("li");
+  const isOne = !document.getElementById(CARRIED) && !document.documentElement.dataset.notebook;
+  if (isOne) {
+    const link = document.createElement("a");
+    const page = tour.system === undefined ? "" : `own=1&example=${tour.system}&`;
+    link.href = `#${page}${LINK}${tours.indexOf(tour) + 1}`;
+    link.append(tour.title, small(tour.about));
+    item.append(link);
+  } else {
+    const command = document.createElement("code");
+    command.textContent = ["liepoisson lab", tour.system].filter(Boolean).join(" ");
+    item.append(`${tour.title}: on the page that `, command, " opens.");
+  }
+  return item;
 }
 
 function point(at: string | null): void {

@@ -45,3 +45,13 @@ export function valueOf(text: string): number | null {
 export function shortest(value: number): Exact {
   return exact(String(Object.is(value, -0) ? 0 : value));
 }
+
+/** A decimal text with its last digit so much higher; null where it is none. */
+export function nudged(written: string, by: number): string | null {
+  const text = written.trim().replaceAll("−", "-");
+  const digits = /^-?\d*(?:\.(\d*))?$/.exec(text);
+  if (!digits || !/\d/.test(text) || text.length > 12) return null;
+  const places = digits[1]?.length ?? 0;
+  const next = (Number(text) + by * 10 ** -places).toFixed(places);
+  return (Number(next) === 0 ? next.replace("-", "") : next).replace("-", "−");
+}

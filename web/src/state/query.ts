@@ -72,8 +72,9 @@ export function points(query: URLSearchParams, name: string): Everyday["added"] 
   return values.flatMap((value, k) => (k % 2 ? [] : [[value, values[k + 1]] as const]));
 }
 
-export function shortened(text: string): string {
-  return text.length > 40 ? `${text.slice(0, 40)}…` : text;
+/** A text of at most so many letters. */
+export function shortened(text: string, most = 41): string {
+  return text.length > most ? `${text.slice(0, most - 1).trimEnd()}…` : text;
 }
 
 /** The text of an address; commas and strokes stay what they are. */

@@ -1,6 +1,7 @@
 /** Controls of a system: exact entries of the start, what is seen, section, axes and tolerance. */
 
 import { Conserved } from "../panels/conserved";
+import { exactEntry } from "../panels/entry";
 import type { Results } from "../results";
 import { exact, type Exact } from "../state/exact";
 import type { Direction } from "../state/everyday";
@@ -116,18 +117,7 @@ export class SystemControls {
   }
 
   private input(name: string, index: number): HTMLInputElement {
-    const input = document.createElement("input");
-    Object.assign(input, { type: "text", autocomplete: "off", spellcheck: false, maxLength: 40 });
-    input.setAttribute("aria-label", `${plain(name)}, exact value`);
-    input.addEventListener("change", () => {
-      try {
-        this.act({ do: "start", index, to: exact(input.value) });
-        input.removeAttribute("aria-invalid");
-      } catch (error) {
-        input.setAttribute("aria-invalid", "true");
-        this.refuse(`${plain(name)}: ${(error as Error).message}`);
-      }
-    });
+    const input = exactEntry(name, (to) => this.act({ do: "start", index, to }), this.refuse);
     this.entries.push({ input, of: (state) => state.start[index] });
     return input;
   }

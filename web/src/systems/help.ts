@@ -10,11 +10,13 @@ const KEYS: Help["keys"] = [
   ["1 … 4", "views"],
   ["T", "theme: automatic, light, dark, projector"],
   ["S", "copy the address of this state"],
+  ["E", "hand this state on: address, code, a line for another page, a file"],
   ["P", "of a system that is typed, copy the lines of Python that compute it"],
   ["H", "guided tours"],
   ["shift ← → ↑ ↓", "turn the view"],
   ["← → and Enter in the section", "choose an orbit and follow it; of one orbit, a crossing"],
   ZOOM,
+  ["↑ ↓ in an entry", "change its last digit"],
 ];
 
 const WORDS: Help["words"] = [

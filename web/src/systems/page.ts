@@ -6,11 +6,12 @@ import { find, Page, quality, tell } from "../page";
 import { entry } from "../panels/scene";
 import type { Charted } from "../state/charted";
 import type { EverydayAction } from "../state/everyday";
+import { shortened } from "../state/query";
 import type { Exact } from "../state/exact";
 import { inWords } from "./comparison";
 import { SystemControls } from "./controls";
 import { CARRIED, described, targetsOf, type SystemDescription } from "./description";
-import type { FanJob } from "./fan/computation";
+import type { FanJob } from "../fan/computation";
 import { FlatView, Ranges, seriesColours } from "./flat";
 import { HELP } from "./help";
 import { SpaceView } from "./space";
@@ -21,6 +22,7 @@ import type { SystemJob } from "../worker/messages";
 
 /** Saved states that are drawn around the time of the cursor, in units of time. */
 const SAVED_PAST = 10;
+/** Letters of the name of a surface, which leave room for the number of crossings beside it. */
 const MOST_LETTERS = 20;
 
 /** What a page knows of a system that is typed. */
@@ -31,6 +33,8 @@ export interface Typed {
   lines(): string;
   /** What was typed, in lines. */
   facts(): readonly string[];
+  /** The example that it is; none where something was changed. */
+  example(): string | undefined;
 }
 
 export class SystemPage extends Page<SystemState, SystemAction> {
@@ -44,7 +48,7 @@ export class SystemPage extends Page<SystemState, SystemAction> {
   constructor(private system: SystemDescription, private readonly typed: Typed | null = null) {
     document.documentElement.dataset.page = "system";
     const clock = clockOf(system);
-    super(begun(system), { system, coordinates: system, clock, width: system.components.length, conserved: targetsOf(system), help: HELP, tours: system.name });
+    super(begun(system), { system, coordinates: system, clock, width: system.components.length, conserved: targetsOf(system), help: HELP });
     this.ranges = new Ranges(system.turns);
     this.views = viewsOf(system);
     const panel = find("scene");
@@ -62,6 +66,10 @@ export class SystemPage extends Page<SystemState, SystemAction> {
     };
     this.buttons("Views", this.views.map((view) => [view, ...words[view], () => this.act({ do: "view", view })]));
     this.name();
+  }
+
+  protected override ofTours(): string {
+    return this.typed ? (this.typed.example() ?? "a system of your own") : this.system.name;
   }
 
   protected changed(state: SystemState, action: SystemAction | EverydayAction): SystemState {
@@ -91,7 +99,7 @@ export class SystemPage extends Page<SystemState, SystemAction> {
     const { name, modulus } = system.surfaces[state.surface];
     return {
       axes: [system.components[state.axes[0]], system.components[state.axes[1]]],
-      surface: shortened(name),
+      surface: shortened(name, MOST_LETTERS),
       modulus,
       remark: aboutSurface(system, state.surface),
       direction: state.direction,
@@ -251,11 +259,6 @@ export class SystemPage extends Page<SystemState, SystemAction> {
     const view = this.views[number - 1];
     return view && (() => this.act({ do: "view", view }));
   }
-}
-
-/** A name that leaves room for the number of crossings beside it. */
-function shortened(name: string): string {
-  return name.length > MOST_LETTERS ? `${name.slice(0, MOST_LETTERS - 1).trimEnd()}…` : name;
 }
 
 /** The page of the system that it carries. */

@@ -1,13 +1,12 @@
 /** The motion in three dimensions: vectors of three components as arrows with their trails, or a path in three components. */
 
 import {
-  AmbientLight, BufferGeometry, DirectionalLight, Float32BufferAttribute, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh,
-  MeshStandardMaterial, PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer,
+  BufferGeometry, DirectionalLight, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, SphereGeometry, Vector3,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Ribbon } from "../panels/ribbon";
 import { emptied, pictureOfView } from "../panels/parts";
 import { arrow, floorOf, point } from "../panels/scene";
+import { Stage } from "../panels/stage";
 import type { Results } from "../results";
 import type { Clock } from "../state/charted";
 import { trace, within, type Turn } from "../state/turn";
@@ -26,13 +25,7 @@ const TRAIL = 9;
 const TRAIL_POINTS = 460;
 const PATH_POINTS = 2001;
 
-export class SpaceView {
-  readonly works: boolean;
-  readonly software: boolean = false;
-  private renderer!: WebGLRenderer;
-  private controls!: OrbitControls;
-  private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(32, 1, 0.1, 60);
+export class SpaceView extends Stage {
   private readonly floor = new Group();
   private readonly box = new Group();
   private readonly arrows: Group[];
@@ -42,72 +35,24 @@ export class SpaceView {
   private labels: (readonly [label: HTMLElement, name: string])[] = [];
   private labelled = "";
   private built = "";
-  private height = 0;
   private scales: { of: Results | null; all: readonly number[] } = { of: null, all: [] };
   readonly names: readonly string[];
   private readonly turns: readonly (Turn | null)[];
-  dirty = true;
 
-  constructor(private readonly holder: HTMLElement, system: SystemDescription, private readonly clock: Clock, quality: "low" | "full" | null, vectors: boolean) {
+  constructor(holder: HTMLElement, system: SystemDescription, private readonly clock: Clock, quality: "low" | "full" | null, vectors: boolean) {
+    super(holder, quality, { name: "the view in three dimensions", label: "The motion in three dimensions.", eye: 2.9, middle: -0.1 });
     this.names = vectors ? vectorNames(withoutTime(system)) : [];
     this.turns = system.turns;
     this.arrows = this.names.map(() => arrow());
     this.trails = this.names.map(() => new Ribbon(TRAIL_POINTS, 3.6));
-    this.works = this.begin(quality);
     if (!this.works) return;
+    this.light(new DirectionalLight(0xffffff, 2.2), 1.6, 0.2);
     this.scene.add(this.floor, this.box, this.path, this.tip, ...this.arrows, ...this.trails);
-    new ResizeObserver(() => this.resize()).observe(holder);
-    this.resize();
+    this.fits();
   }
 
-  /** Gives the context of the canvas back, of which a browser has few. */
-  free(): void {
-    if (!this.works) return;
-    this.controls.dispose();
-    this.renderer.dispose();
-    this.renderer.forceContextLoss();
-  }
-
-  private begin(quality: "low" | "full" | null): boolean {
-    try {
-      this.renderer = new WebGLRenderer({ antialias: quality !== "low", alpha: true, preserveDrawingBuffer: true });
-    } catch {
-      const message = document.createElement("p");
-      message.className = "none";
-      message.textContent = "This browser shows no WebGL, so the view in three dimensions cannot be drawn. All charts go on.";
-      this.holder.append(message);
-      return false;
-    }
-    const { renderer, camera } = this;
-    const context = renderer.getContext();
-    const known = context.getExtension("WEBGL_debug_renderer_info");
-    const name = String(context.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : context.RENDERER));
-    (this as { software: boolean }).software = quality ? quality === "low" : /swiftshader|llvmpipe|software|basic render/i.test(name);
-    renderer.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio, 2));
-    renderer.domElement.setAttribute("role", "img");
-    renderer.domElement.setAttribute("aria-label", "The motion in three dimensions. Drag or use Shift and the arrow keys to turn the view.");
-    this.holder.append(renderer.domElement);
-    camera.up.set(0, 0, 1);
-    camera.position.set(4.9, -5.6, 2.9);
-    this.controls = new OrbitControls(camera, renderer.domElement);
-    Object.assign(this.controls, { enablePan: false, minDistance: 3.5, maxDistance: 16, maxPolarAngle: 1.75 });
-    this.controls.target.set(0, 0, -0.1);
-    this.controls.addEventListener("change", () => (this.dirty = true));
-    this.controls.update();
-    const sun = new DirectionalLight(0xffffff, 2.2);
-    sun.position.set(2.2, -2.6, 6);
-    this.scene.add(sun, new HemisphereLight(0xffffff, 0x8a8f9a, 1.6), new AmbientLight(0xffffff, 0.2));
-    return true;
-  }
-
-  turn(azimuth: number, polar: number): void {
-    if (!this.works) return;
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    const side = new Vector3().crossVectors(this.camera.up, offset).normalize();
-    offset.applyAxisAngle(this.camera.up, azimuth).applyAxisAngle(side, polar);
-    this.camera.position.copy(this.controls.target).add(offset);
-    this.controls.update();
-    this.dirty = true;
+  protected ribbons(): readonly Ribbon[] {
+    return [...this.trails, this.path];
   }
 
   show(shown: boolean): void {
@@ -132,18 +77,6 @@ export class SpaceView {
   /** The view as it is, with the names of what is in it. */
   picture(palette: Palette, title: string): HTMLCanvasElement {
     return pictureOfView(this.works ? this.renderer : null, this.holder, this.labels, palette, title);
-  }
-
-  private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.holder;
-    if (!width || !height || !this.works) return;
-    this.height = height;
-    this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.fov = width / height < 1.15 ? 32 * Math.min(1.15 / (width / height), 1.6) : 32;
-    this.camera.updateProjectionMatrix();
-    for (const trail of [...this.trails, this.path]) trail.material.uniforms.size.value.set(width, height);
-    this.dirty = true;
   }
 
   private build(space: SystemState["space"] | null, ranges: Ranges, palette: Palette): void {

@@ -4,7 +4,7 @@ import { exact, shortest, type Exact } from "../state/exact";
 import { checkedFan, everyday, FANS, Refused, type Direction, type Everyday, type EverydayAction } from "../state/everyday";
 import { inUnits, type Clock } from "../state/charted";
 import { within as withinTurn, type Turn } from "../state/turn";
-import { withoutFan } from "./fan/computation";
+import { withoutFan } from "../fan/computation";
 import { surfaceNames, withoutTime, type SystemDescription } from "./description";
 
 export const VIEWS = ["vectors", "picture", "projection", "series"] as const;

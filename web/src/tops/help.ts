@@ -12,11 +12,13 @@ const KEYS: Help["keys"] = [
   ["G", "shadow top"],
   ["T", "theme: automatic, light, dark, projector"],
   ["S", "copy the address of this state"],
+  ["E", "hand this state on: address, code, a line for another page, a file"],
   ["P", "copy the lines of Python that compute it"],
   ["shift ← → ↑ ↓", "turn the view"],
   ["H", "guided tours"],
   ["← → and Enter in the section", "choose a crossing and start there; of many orbits, one to follow"],
   ZOOM,
+  ["↑ ↓ in an entry", "change its last digit"],
 ];
 
 const WORDS: Help["words"] = [

@@ -9,7 +9,7 @@ import { COORDINATES_OF_TOPS, OF_TOPS, type Charted } from "../state/charted";
 import type { EverydayAction } from "../state/everyday";
 import { begun, changed, FRAMES, HORIZON, sameRun, type Action, type Laboratory } from "../state/laboratory";
 import { read, written } from "../state/url";
-import type { FanJob } from "../systems/fan/computation";
+import type { FanJob } from "../fan/computation";
 import type { Job } from "../worker/messages";
 import { asPython, facts } from "./export";
 import { HELP } from "./help";

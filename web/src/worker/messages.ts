@@ -2,7 +2,7 @@
 
 import type { Levels } from "../panels/levels";
 import type { Saved, SystemDescription } from "../systems/description";
-import type { FanJob, FanUpdate } from "../systems/fan/computation";
+import type { FanJob, FanUpdate } from "../fan/computation";
 import type { Made, NotMade, Question } from "../systems/typing/made";
 
 /** One orbit of a top, and all that is computed of it. */

@@ -1,7 +1,7 @@
 /** The worker: takes jobs, works in slices, and waits when the page has not yet seen what it was sent. */
 
 import { Core, Refusal } from "../core/core.js";
-import { fan, type FanUpdate } from "../systems/fan/computation";
+import { fan, type FanUpdate } from "../fan/computation";
 import { made } from "../systems/typing/made";
 import { Computation } from "./computation";
 import { projected } from "./projection";

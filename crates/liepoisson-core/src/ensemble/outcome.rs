@@ -17,11 +17,13 @@ pub enum Outcome {
     NoConvergence,
     /// The time that the run may take was over before it reached the last time.
     TimeLimit,
+    /// Its step is longer than the times in which the damping relaxes.
+    StepTooLarge,
 }
 
 impl Outcome {
     /// All of them, by their codes.
-    pub const ALL: [Outcome; 7] = [
+    pub const ALL: [Outcome; 8] = [
         Outcome::Finished,
         Outcome::StepTooSmall,
         Outcome::NotFinite,
@@ -29,6 +31,7 @@ impl Outcome {
         Outcome::Cancelled,
         Outcome::NoConvergence,
         Outcome::TimeLimit,
+        Outcome::StepTooLarge,
     ];
 
     /// Its code in results: its position in [`Outcome::ALL`].
@@ -46,6 +49,7 @@ impl Outcome {
             Outcome::Cancelled => "cancelled",
             Outcome::NoConvergence => "no convergence",
             Outcome::TimeLimit => "time limit",
+            Outcome::StepTooLarge => "step too large",
         }
     }
 }

@@ -278,12 +278,13 @@ impl Worker<'_> {
                 slot.n_refused += 1;
                 return;
             }
-            StepOutcome::NotFinite if repeats > 1 => {
+            StepOutcome::NotFinite | StepOutcome::TooLarge if repeats > 1 => {
                 slot.careful_steps = repeats;
                 return;
             }
             StepOutcome::NotFinite => return self.dismiss(block, lane, slot, Outcome::NotFinite, observer),
             StepOutcome::NoConvergence => return self.dismiss(block, lane, slot, Outcome::NoConvergence, observer),
+            StepOutcome::TooLarge => return self.dismiss(block, lane, slot, Outcome::StepTooLarge, observer),
         }
         let target = self.ensemble.times[slot.next_sample];
         let is_last = size == slot.until(target) && repeats == 1;

@@ -162,6 +162,8 @@ pub enum StepOutcome {
     NotFinite,
     /// Its implicit equation was not solved: the trajectory is where it was.
     NoConvergence,
+    /// It was too large for what it would mean, and no shorter one will be proposed: the trajectory is where it was.
+    TooLarge,
 }
 
 /// Trajectories side by side, one in each lane, advanced together, each by steps of its own.

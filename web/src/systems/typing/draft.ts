@@ -80,6 +80,11 @@ export function draftOf(key: string): Draft {
   return { name: words, ...rest, ranges: {} };
 }
 
+/** The example that a draft is; none where something was changed. */
+export function exampleOf(draft: Draft): string | undefined {
+  return EXAMPLES.find(({ key }) => checksum(draftOf(key)) === checksum(draft))?.key;
+}
+
 /** A single number of a parameter, as I1 of I. */
 interface SingleNumber {
   readonly name: string;

@@ -1,6 +1,7 @@
 /** The fields in which a system is typed, and what the core derives from it: parameters, equations, tensor, Casimirs. */
 
 import { exact } from "../../state/exact";
+import { stepsByArrows } from "../../panels/entry";
 import { element, plain } from "../../symbols";
 import { BRACKETS, draftOf, EXAMPLES, KINDS, numbersOf, rangeOf, withNumber, type Draft, type Given } from "./draft";
 import { expression, math, name as symbolOf, pair, rate, sign } from "./mathml";
@@ -268,6 +269,7 @@ function excerpt(text: string, place: number): HTMLElement {
 
 /** Reads an exact number when it was entered; what is none stays in its field. */
 function readNumber(input: HTMLInputElement, set: (text: string) => void): void {
+  stepsByArrows(input);
   input.addEventListener("change", () => {
     try {
       set(exact(input.value).text);

@@ -9,7 +9,7 @@ import { SystemPage } from "../page";
 import { begun, type SystemState } from "../state";
 import { read, written } from "../url";
 import { Compiler } from "./compiler";
-import { checksum, draftOf, draftRead, draftWritten, isTyped, type Draft } from "./draft";
+import { checksum, draftOf, draftRead, draftWritten, exampleOf, isTyped, type Draft } from "./draft";
 import { Editor } from "./editor";
 import { asPython, systemFile } from "./files";
 import type { Made, NotMade } from "./made";
@@ -28,6 +28,8 @@ export class TypedPage {
   /** What an address says of the state of the next system, and whether that is to play where somebody outside says so. */
   private rest = "";
   private playing: boolean | null = null;
+  /** The number of a tour with which it begins. */
+  private tour = new URLSearchParams(place().address).get("tour");
   /** What is wrong with what is typed, as it was last reported. */
   private wrong = "";
 
@@ -108,6 +110,7 @@ export class TypedPage {
   }
 
   private take(found: Made | NotMade): void {
+    document.documentElement.toggleAttribute("data-stale", !found.made);
     if (!found.made) {
       this.editor.wrong(found);
       this.report(found.message);
@@ -133,6 +136,8 @@ export class TypedPage {
     }
     [this.rest, this.playing] = ["", null];
     this.show(made, state);
+    if (this.tour !== null) this.page?.guide(this.tour);
+    this.tour = null;
   }
 
   /** Shows a system: with the same components in the same panels, else in new ones. */
@@ -159,7 +164,12 @@ export class TypedPage {
     if (this.page) document.querySelector("main")?.replaceWith(panels);
     else this.template = this.empty.cloneNode(true) as HTMLElement;
     panels.querySelector("#controls")?.append(this.editor.element);
-    this.page = new SystemPage(system, { address: () => this.address(), lines: () => this.lines(), facts: () => this.file().trim().split("\n") });
+    this.page = new SystemPage(system, {
+      address: () => this.address(),
+      lines: () => this.lines(),
+      facts: () => this.file().trim().split("\n"),
+      example: () => exampleOf(this.draft),
+    });
     this.page.open(state ?? { ...begun(system), theme, playing, speed });
     if (this.client) this.page.follow(this.client);
     if (focused && this.editor.element.contains(focused)) focused.focus();

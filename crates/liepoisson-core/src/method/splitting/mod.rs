@@ -61,24 +61,26 @@ impl Splitting {
     }
 }
 
-/// Where a lane is on the path of its noise.
+/// Where a lane is on the path of its noise, and whether it cannot go on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathIndex {
     /// The number of the trajectory.
     pub trajectory: usize,
     /// The steps that it has taken.
     pub n_steps: u64,
+    /// Whether a step was too large for the damping.
+    pub is_too_large: bool,
 }
 
 /// A field whose Hamiltonian is a sum of split terms with known flows.
 pub trait Split: Space {
     /// Takes `repeats` steps of each lane's size: `groups` holds the state and then the tangent vectors. `paths` are the places of
     /// the lanes where there is noise.
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &[PathIndex]);
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &mut [PathIndex]);
 }
 
 impl<F: Split> Split for &F {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &[PathIndex]) {
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &mut [PathIndex]) {
         (**self).advance(scheme, groups, sizes, repeats, paths);
     }
 }
@@ -158,7 +160,7 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
 
     fn load(&mut self, lane: usize, trajectory: usize, group: usize, values: &[f64]) {
         if group == 0 {
-            self.paths[lane] = PathIndex { trajectory, n_steps: 0 };
+            self.paths[lane] = PathIndex { trajectory, ..PathIndex::default() };
         }
         let at = self.group(group);
         for (register, &value) in self.groups[at].iter_mut().zip(values) {
@@ -178,19 +180,21 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
 
     fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]) {
         self.before.copy_from_slice(&self.groups);
-        self.field.advance(&self.scheme, &mut self.groups, sizes, repeats, &self.paths);
+        self.field.advance(&self.scheme, &mut self.groups, sizes, repeats, &mut self.paths);
         let mut all_finite = true;
         V::outline(Finite { groups: &self.groups, answer: &mut all_finite });
         outcomes.fill(StepOutcome::Taken);
         for path in &mut self.paths {
             path.n_steps += repeats;
         }
-        if all_finite {
+        if all_finite && !self.paths.iter().any(|path| path.is_too_large) {
             return;
         }
         for (lane, outcome) in outcomes.iter_mut().enumerate() {
-            if !self.groups.iter().all(|register| register.get(lane).is_finite()) {
-                *outcome = StepOutcome::NotFinite;
+            let is_too_large = std::mem::take(&mut self.paths[lane].is_too_large);
+            let is_finite = self.groups.iter().all(|register| register.get(lane).is_finite());
+            if is_too_large || !is_finite {
+                *outcome = if is_too_large { StepOutcome::TooLarge } else { StepOutcome::NotFinite };
                 self.paths[lane].n_steps -= repeats;
                 for (register, before) in self.groups.iter_mut().zip(&self.before) {
                     register.as_scalars_mut()[lane] = before.as_scalars()[lane];

@@ -4,6 +4,11 @@
 //! step is `N_1(v_1) .. N_m(v_m) D_m(h/2) .. D_1(h/2) Phi(h) D_1(h/2) .. D_m(h/2) N_m(w_m) .. N_1(w_1)`, where `v_k` and `w_k` are
 //! the increments of the path over the halves of the step. They are independent, so that this is Strang's composition of the
 //! semigroups of all parts, of weak order 2. Without noise it is the step `Phi(h)` to the last bit.
+//!
+//! Near a minimum of H the damping relaxes with rates that add up to `(beta/2) sum_k {{H, H_k}, H_k}`. Where a step h is not small
+//! against them the stationary law is too wide: in a direction of the rate lambda it has the variance of the law of Gibbs times
+//! `1 + 3 (h lambda)^2/8`, up to higher orders. So a step is too large where `h (beta/2) sum_k |{{H, H_k}, H_k}|` exceeds
+//! [`LARGEST`], which keeps that factor below 1.1.
 
 use super::coefficients::Scheme;
 use super::split_terms::{Work, apply, derivatives, form};
@@ -12,8 +17,11 @@ use crate::field::split_terms::Prepared;
 use crate::field::{Noise, Noisy, Space, SplitTerms};
 use crate::lanes::{Body, Lane};
 
+/// The largest step of the damping, in times in which it relaxes.
+const LARGEST: f64 = 0.5;
+
 impl<F: Split> Split for Noisy<F> {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &[PathIndex]) {
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &mut [PathIndex]) {
         let n = self.noise.channels.len();
         let mut halves = [vec![V::splat(0.0); n], vec![V::splat(0.0); n]];
         let half: V = spread(&sizes.iter().map(|size| 0.5 * size).collect::<Vec<f64>>());
@@ -27,9 +35,13 @@ impl<F: Split> Split for Noisy<F> {
                     }
                 }
             }
-            V::outline(Half { noise: &self.noise, times: &halves[0], half, groups, is_first: true });
+            let mut share = V::splat(0.0);
+            V::outline(Half { noise: &self.noise, times: &halves[0], half, groups, share: Some(&mut share) });
+            for (lane, path) in paths.iter_mut().enumerate() {
+                path.is_too_large |= share.get(lane) > LARGEST;
+            }
             self.field.advance(scheme, groups, sizes, 1, paths);
-            V::outline(Half { noise: &self.noise, times: &halves[1], half, groups, is_first: false });
+            V::outline(Half { noise: &self.noise, times: &halves[1], half, groups, share: None });
         }
     }
 }
@@ -42,20 +54,23 @@ struct Half<'s, V> {
     /// Half of the step.
     half: V,
     groups: &'s mut [V],
-    is_first: bool,
+    /// In the first half: where to say how large the step is beside the times in which the damping relaxes.
+    share: Option<&'s mut V>,
 }
 
 impl<V: Lane> Body for Half<'_, V> {
     #[inline(always)]
     fn run(self) {
-        let Half { noise, times, half, groups, is_first } = self;
+        let Half { noise, times, half, groups, share } = self;
         let Some(first) = noise.channels.first() else { return };
         let mut along = Along { work: Work::new(first.n_components()), middle: vec![], rates: vec![] };
-        if is_first {
+        if let Some(share) = share {
             for (channel, &time) in noise.channels.iter().zip(times) {
                 along.flow(channel, time, groups);
             }
             if let Some((energy, beta)) = &noise.damping {
+                let sum = noise.channels.iter().fold(V::splat(0.0), |sum, channel| sum.add(along.curvature(channel, energy, groups)));
+                *share = half.mul(V::splat(*beta)).mul(sum).abs();
                 for channel in noise.channels.iter().rev() {
                     along.damp(channel, energy, half.mul(V::splat(-0.5 * beta)), groups);
                 }
@@ -76,7 +91,7 @@ impl<V: Lane> Body for Half<'_, V> {
 /// Motion along the field of a noise Hamiltonian.
 struct Along<V> {
     work: Work<V>,
-    /// Groups in the middle of a step of the damping.
+    /// Groups in the middle of a step of the damping, or a state and the field of a noise Hamiltonian there.
     middle: Vec<V>,
     /// `{H, H_k}` and its derivatives along the tangent vectors.
     rates: Vec<V>,
@@ -103,6 +118,27 @@ impl<V: Lane> Along<V> {
         self.rates(channel, energy, &middle);
         self.middle = middle;
         self.go(channel, rate, groups);
+    }
+
+    /// `|{{H, H_k}, H_k}|`: how `{H, H_k}` changes along the field of `H_k`.
+    #[inline(always)]
+    fn curvature(&mut self, channel: &SplitTerms, energy: &SplitTerms, groups: &[V]) -> V {
+        let n = channel.n_components();
+        let mut at = std::mem::take(&mut self.middle);
+        at.clear();
+        at.extend_from_slice(&groups[..n]);
+        at.resize(2 * n, V::splat(0.0));
+        let (x, field) = at.split_at_mut(n);
+        for split_term in &channel.ridges {
+            let (first, _) = derivatives(&split_term.ridge.derivative, form(split_term, x));
+            apply(split_term, x, &mut self.work.image);
+            for (field, image) in field.iter_mut().zip(&self.work.image) {
+                *field = image.mul_add(first, *field);
+            }
+        }
+        self.rates(channel, energy, &at);
+        self.middle = at;
+        self.rates[1].abs()
     }
 
     /// The flow of `H_k` for the time `factor {H, H_k}`, which depends on the state.

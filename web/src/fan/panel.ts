@@ -3,17 +3,17 @@
  * undecided; a click adds the orbit through a point, and the pointer over a crossing shows all of its orbit.
  */
 
-import type { Results } from "../../results";
-import { padded, type Plot } from "../../panels/plot";
-import { remarkIn, setText } from "../../panels/remark";
-import { FANS, type EverydayAction } from "../../state/everyday";
-import { shortest } from "../../state/exact";
-import type { Charted } from "../../state/charted";
-import { within } from "../../state/turn";
-import type { Palette } from "../../style/palette";
-import { element, plain } from "../../symbols";
-import type { Table } from "../../export/table";
-import type { SystemDescription } from "../description";
+import type { Results } from "../results";
+import { padded, type Plot } from "../panels/plot";
+import { remarkIn, setText } from "../panels/remark";
+import { FANS, type EverydayAction } from "../state/everyday";
+import { shortest } from "../state/exact";
+import type { Charted } from "../state/charted";
+import { within } from "../state/turn";
+import type { Palette } from "../style/palette";
+import { element, plain } from "../symbols";
+import type { Table } from "../export/table";
+import type { SystemDescription } from "../systems/description";
 import { FanClient } from "./client";
 import { withoutFan, type FanJob, type FanUpdate, type Verdict } from "./computation";
 
@@ -38,7 +38,7 @@ const REST = 250;
 const REACH = 10;
 /** Digits of a point that is clicked, beyond which no pixel tells. */
 const DIGITS = 5;
-const NOTHING = { guesses: 0, failed: 0, left: 0, last: false, nothing: "", end: 0 };
+const NOTHING = { guesses: 0, failed: 0, uncrossed: 0, left: 0, last: false, nothing: "", end: 0 };
 const VERDICTS = ["regular", "chaotic", "undecided"] as const;
 const SHAPES: Record<Verdict, string> = { regular: "●", chaotic: "✕", undecided: "□" };
 
@@ -65,6 +65,8 @@ export class FanSection {
   private readonly list = document.createElement("div");
   private readonly listed = document.createElement("button");
   private readonly remove = document.createElement("button");
+  /** The energy of all orbits, in words. */
+  private energy = "";
   private began = 0;
   private took = 0;
 
@@ -179,7 +181,7 @@ export class FanSection {
   private take(update: FanUpdate): void {
     if (update.say === "starts") {
       this.empty();
-      Object.assign(this.about, { guesses: update.guesses, failed: update.failed, last: update.missed.includes((this.wanted?.added.length ?? 0) - 1) });
+      Object.assign(this.about, { guesses: update.guesses, failed: update.failed, uncrossed: update.uncrossed, last: update.missed.includes((this.wanted?.added.length ?? 0) - 1) });
       if (this.about.last) this.does.say("no orbit of this energy goes through the point");
     } else if (update.say === "orbit") {
       this.orbits[update.index] = { ...update, verdict: null, exponent: Number.NaN, indicators: [] };
@@ -215,7 +217,7 @@ export class FanSection {
     if (plot.measure() || this.dirty || key !== this.shown) {
       this.shown = key;
       this.dirty = false;
-      const [x, y] = this.columns.map((column) => ({ range: this.range(column), name: components[column], turn: turns[column] }));
+      const [x, y] = this.columns.map((column) => ({ range: this.range(column, results.top.least(column, components.length)), name: components[column], turn: turns[column] }));
       plot.fit(x, y);
       plot.axes(palette);
       const colours = verdictColours();
@@ -228,12 +230,18 @@ export class FanSection {
       this.words(colours);
     }
     setText(this.remark, charted.remark ?? this.about.nothing);
+    const energy = results.first[results.names.indexOf("H")];
+    const said = energy === undefined ? "" : `H = ${String(Number(energy.toPrecision(4))).replace("-", "−")}. `;
+    if (said !== this.energy) {
+      this.energy = said;
+      this.describe();
+    }
     plot.clearAbove();
     if (this.chosen !== null && orbits[this.chosen]) this.highlight(orbits[this.chosen], palette);
     this.follow(charted, results, palette);
   }
 
-  private range(column: number): readonly [number, number] {
+  private range(column: number, least: number): readonly [number, number] {
     const [n, turn] = [this.system.components.length, this.system.turns[column]];
     let [low, high] = [Infinity, -Infinity];
     for (const { crossings } of this.orbits) {
@@ -242,7 +250,7 @@ export class FanSection {
         [low, high] = [Math.min(low, value), Math.max(high, value)];
       }
     }
-    return low <= high ? padded([low, high], turn) : [-1, 1];
+    return low <= high ? padded([low, high], turn, least) : [-1, 1];
   }
 
   /** The last crossing of the motion, as long as it is on the energy surface of the fan. */
@@ -329,15 +337,16 @@ export class FanSection {
   /** What is said below the section. */
   private describe(): void {
     const { orbits, about, chosen, finished } = this;
-    const { guesses, failed, left, last } = about;
+    const { guesses, failed, uncrossed, left, last } = about;
     const parts = [];
     if (chosen !== null && orbits[chosen]) parts.push(this.said(chosen));
     else if (!finished) parts.push(orbits.some(({ verdict }) => verdict) || orbits.length >= (this.wanted?.count ?? 0) ? "Deciding …" : "Filling the section …");
     else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
-      parts.push("A click adds an orbit.");
-      if (failed) parts.push(`${failed} of ${guesses} guesses failed.`);
-      if (left) parts.push(`${left} ${left === 1 ? "orbit runs" : "orbits run"} away.`);
+      parts.push(`${this.energy}A click adds an orbit.`);
+      if (failed) parts.push(`${failed} of ${guesses} guesses led to no state of this energy.`);
+      if (uncrossed) parts.push(`${uncrossed} of ${guesses} did not cross the surface.`);
+      if (left) parts.push(`${left} more ${left === 1 ? "orbit is" : "orbits are"} left out: to infinity or a singularity.`);
     }
     const text = parts.join(" ");
     if (this.status.textContent === text) return;

@@ -5,9 +5,9 @@
  * Of those the next orbits are the ones farthest from all crossings that there are, in the plane of the two axes.
  */
 
-import type { Core, Field, Functions, FunctionsDescription, Method } from "../../core/core.js";
-import { modelOf } from "../../worker/model";
-import type { SystemDescription } from "../description";
+import type { Core, Field, Functions, FunctionsDescription, Method } from "../core/core.js";
+import { modelOf } from "../worker/model";
+import type { SystemDescription } from "../systems/description";
 
 /** What is wanted. */
 export interface FanJob {
@@ -27,8 +27,8 @@ export type Verdict = "regular" | "chaotic" | "undecided";
 
 /** What is known of the orbits, after and after. */
 export type FanUpdate =
-  /** Guesses that led to no start, and points through which no orbit of this energy goes. */
-  | { readonly say: "starts"; readonly guesses: number; readonly failed: number; readonly missed: readonly number[] }
+  /** Guesses that led to no state of this energy, those whose orbits do not cross, and points through which no orbit of this energy goes. */
+  | { readonly say: "starts"; readonly guesses: number; readonly failed: number; readonly uncrossed: number; readonly missed: readonly number[] }
   /** Crossings (crossing, component) of an orbit, the first of which is its start; `added` is the number of its point, or null. */
   | { readonly say: "orbit"; readonly index: number; readonly added: number | null; readonly count: number; readonly crossings: Float64Array }
   | { readonly say: "verdict"; readonly index: number; readonly verdict: Verdict; readonly exponent: number; readonly indicators: readonly number[] }
@@ -110,7 +110,7 @@ function* found(core: Core, job: FanJob, keep: <T extends { free(): void }>(thin
   // in the other direction the orbit comes here, too, but is not seen
   const crosses = (state: Float64Array) => firstOf([before(core, field, method, state, system.unit)])[0]?.every((x, i) => Math.abs(x - state[i]) <= SAME * own.component[i]);
   const reached = clicked.map((state) => (state && crosses(state) ? state : null));
-  yield { say: "starts", guesses, failed: guesses - candidates.length, missed: reached.flatMap((state, k) => (state ? [] : [k])) };
+  yield { say: "starts", guesses, failed: guesses - projected.length, uncrossed: projected.length - candidates.length, missed: reached.flatMap((state, k) => (state ? [] : [k])) };
   if (!itself && candidates.length === 0 && !reached.some(Boolean)) {
     yield { say: "nothing", why: "No orbit of this energy crosses the surface in this direction." };
     return;

@@ -1,8 +1,8 @@
 /** The page's side of the worker that computes a fan: the newest question alone counts. */
 
-import { program } from "../../worker/client";
-import type { FromWorker, ToWorker } from "../../worker/messages";
-import Worker from "../../worker/worker?worker&inline";
+import { program } from "../worker/client";
+import type { FromWorker, ToWorker } from "../worker/messages";
+import Worker from "../worker/worker?worker&inline";
 import type { FanJob, FanUpdate } from "./computation";
 
 export class FanClient {
