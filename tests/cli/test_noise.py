@@ -148,7 +148,8 @@ def test_a_law_of_noise_needs_noise(command):
 
 
 def test_steps_that_the_damping_cannot_take_are_told(command, shaken_body):
-    for name, more in (("orbit", ()), ("stationary", ("l3", "--edges", "-1:1:4", "--trajectories", 3))):
-        options = (*START, "--set", "beta=1000", "--t-end", 5, "--step", 0.1)
+    few = ("l3", "--edges=-1:1:4", "--trajectories", 3, *START)
+    for name, more in (("lyapunov", ("--starts", 3)), ("stationary", few)):
+        options = ("--set", "beta=1e5", "--t-end", 5, "--step", 0.1)
         code, _, err = command(name, shaken_body, *more, *options)
         assert (code, "damping relaxes (step too large): take a smaller --step.\n" in err) == (1, True), err

@@ -160,7 +160,10 @@ REFUSED = (
     ("fit lagrange data.csv --unknown a3 --column l7", "got 'l7'"),
     ("fit lagrange data.csv --unknown a3 --error l1=much", "got 'much'"),
     ("fit lagrange data.csv --unknown a3 --bound a3=1", "--bound must be name=low:high"),
-    ("fit lagrange data.csv --unknown a3", "l2 is not observed, and no start was given; give a guess, starts={\"l2\": 0} (--start l2=0)"),
+    (
+        "fit lagrange data.csv --unknown a3",
+        'l2 is not observed, and no start was given; give a guess, starts={"l2": 0} (--start l2=0)',
+    ),
     ("fit lagrange data.csv --unknown a3 --unknown l --start alpha3=1", "4 unknowns and 2 values"),
     # studies
     ("reproduce twistedtop", "no study 'twistedtop'"),

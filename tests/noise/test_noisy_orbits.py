@@ -149,20 +149,19 @@ def test_a_step_that_is_not_short_beside_the_damping_widens_the_law_as_it_must(s
 
 @pytest.mark.parametrize(("beta", "h"), [(100, 0.0101), (1000, 0.05), (1e4, 1)])
 def test_a_step_that_the_damping_cannot_take_is_an_outcome(beta, h):
-    run = noisy_orbits(WELL, IN_WELL, noises=["lq1"], t_end=10 * h, method=step(h), inverse_temperature=beta)
-    assert (run.outcome.tolist(), run.end_time.tolist(), run.n_steps.tolist()) == (["step too large"], [0], [0])
-    np.testing.assert_array_equal(run.end_state, [IN_WELL])
-    parts = ["lq1/2"] * 4  # the same law by four noises
-    assert noisy_orbits(
-        WELL, IN_WELL, noises=parts, t_end=10 * h, method=step(h), inverse_temperature=beta
-    ).outcome == ["step too large"]
+    options = {"times": [0, 10 * h], "method": step(h), "inverse_temperature": beta}
+    for noises in ("lq1", ["lq1/2"] * 4):  # the same law by one noise and by four
+        run = noisy_orbits(WELL, IN_WELL, noises=noises, **options)
+        assert (run.outcome.tolist(), run.end_time.tolist(), run.n_steps.tolist()) == (["step too large"], [0], [0])
+        np.testing.assert_array_equal(run.end_state, [IN_WELL])
 
 
 def test_where_the_damping_becomes_too_fast_does_not_depend_on_the_other_trajectories():
     """In $p^4/4$ the rate grows like $p^2$: trajectories end at different times, each at its own."""
     quartic = lp.System(WELL.bracket, "lp1^4/4")
     starts = np.column_stack([np.zeros(11), np.linspace(0, 1.6, 11), -np.ones(11)])
-    options = {"noises": "lq1", "t_end": 20, "method": step(0.05), "inverse_temperature": 2, "seed": 3}
+    times = np.linspace(0, 10, 151)
+    options = {"noises": "lq1", "times": times, "method": step(0.07), "inverse_temperature": 2, "seed": 3}
     whole = noisy_orbits(quartic, starts, threads=1, **options)
     assert {*whole.outcome} == {"finished", "step too large"}
     assert len({*whole.end_time}) > 3

@@ -37,12 +37,14 @@ export class Rows {
 
 /** Motion on a time axis without gaps; each state has `width` numbers. */
 export class Motion {
-  constructor(readonly width: number = WIDTH) {}
+  constructor(readonly width: number = WIDTH) {
+    this.bounds = Array.from({ length: width }, () => [Infinity, -Infinity]);
+  }
 
   readonly chunks: Chunk[] = [];
   private readonly begins: number[] = [];
   /** Of each number of a state, the smallest and the largest that there was. */
-  private readonly bounds: [low: number, high: number][] = Array.from({ length: this.width }, () => [Infinity, -Infinity]);
+  private readonly bounds: [low: number, high: number][];
 
   add(chunk: Chunk): void {
     this.chunks.push(chunk);

@@ -16,7 +16,7 @@ from liepoisson.indicators.estimates import Estimate
 from liepoisson.indicators.mean_error import mean_interval
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import counted
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import labelled
 from liepoisson.noise.noise import Noise, Noises, NoisyRun
 from liepoisson.numeric.method.splitting import Splitting
