@@ -47,7 +47,7 @@ def test_what_no_path_changes_has_no_passages(function, change, words):
 
 def test_a_function_that_is_not_real_at_a_start_has_no_side():
     starts = [[0, 0, 1], [np.nan, 0, 0], [0, 0, -1]]
-    with pytest.raises(ParameterError, match="function: wanted one that is a real number .* none at start 2"):
+    with pytest.raises(ParameterError, match=r"function: wanted one that is a real number .* none at start 2"):
         lp.stochastic.first_passages(ROUND, starts, function="sqrt(l3) - 1/2", noises=EACH, t_end=1, method=STEP)
 
 

@@ -419,7 +419,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     requestAnimationFrame((next) => this.frame(next));
   }
 
-  private drawn: { at: number; of: Results | null; chunks: number; size: string } = { at: -1, of: null, chunks: 0, size: "" };
+  private drawn: { at: number; of: Results | null; chunks: number; levels: unknown; size: string } = { at: -1, of: null, chunks: 0, levels: null, size: "" };
   /** Milliseconds from the request of the page to the first drawn state. */
   private firstPicture = 0;
 
@@ -428,11 +428,11 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     const charted = this.charted();
     const [chunks, size] = [results.top.chunks.length + results.shadow.chunks.length, `${innerWidth} ${innerHeight}`];
     const { drawn } = this;
-    const moved = state.time !== drawn.at || results !== drawn.of || chunks !== drawn.chunks || size !== drawn.size;
+    const moved = state.time !== drawn.at || results !== drawn.of || chunks !== drawn.chunks || results.levels !== drawn.levels || size !== drawn.size;
     if ((moved || view.dirty) && (!view.software || frames % 2 === 0)) {
       this.portrait.draw(charted, results, palette);
       this.draws(charted);
-      this.drawn = { at: state.time, of: results, chunks, size };
+      this.drawn = { at: state.time, of: results, chunks, levels: results.levels, size };
       if (chunks > 0 && this.firstPicture === 0) this.firstPicture = performance.now();
     }
     (this.fan.isShown ? this.fan : this.section).draw(charted, results, palette);

@@ -80,7 +80,14 @@ pub trait Split: Space {
 }
 
 impl<F: Split> Split for &F {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &mut [PathIndex]) {
+    fn advance<V: Lane>(
+        &self,
+        scheme: &Scheme,
+        groups: &mut [V],
+        sizes: &[f64],
+        repeats: u64,
+        paths: &mut [PathIndex],
+    ) {
         (**self).advance(scheme, groups, sizes, repeats, paths);
     }
 }

@@ -21,7 +21,14 @@ use crate::lanes::{Body, Lane};
 const LARGEST: f64 = 0.5;
 
 impl<F: Split> Split for Noisy<F> {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, paths: &mut [PathIndex]) {
+    fn advance<V: Lane>(
+        &self,
+        scheme: &Scheme,
+        groups: &mut [V],
+        sizes: &[f64],
+        repeats: u64,
+        paths: &mut [PathIndex],
+    ) {
         let n = self.noise.channels.len();
         let mut halves = [vec![V::splat(0.0); n], vec![V::splat(0.0); n]];
         let half: V = spread(&sizes.iter().map(|size| 0.5 * size).collect::<Vec<f64>>());
@@ -69,7 +76,10 @@ impl<V: Lane> Body for Half<'_, V> {
                 along.flow(channel, time, groups);
             }
             if let Some((energy, beta)) = &noise.damping {
-                let sum = noise.channels.iter().fold(V::splat(0.0), |sum, channel| sum.add(along.curvature(channel, energy, groups)));
+                let sum = noise
+                    .channels
+                    .iter()
+                    .fold(V::splat(0.0), |sum, channel| sum.add(along.curvature(channel, energy, groups)));
                 *share = half.mul(V::splat(*beta)).mul(sum).abs();
                 for channel in noise.channels.iter().rev() {
                     along.damp(channel, energy, half.mul(V::splat(-0.5 * beta)), groups);

@@ -14,7 +14,14 @@ const TERMS_SINGLE: usize = 11;
 const MOST_INTERVALS: f64 = 4096.0;
 
 impl Split for SplitTerms {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, _paths: &mut [PathIndex]) {
+    fn advance<V: Lane>(
+        &self,
+        scheme: &Scheme,
+        groups: &mut [V],
+        sizes: &[f64],
+        repeats: u64,
+        _paths: &mut [PathIndex],
+    ) {
         V::outline(Steps { split_terms: self, scheme, groups, sizes, repeats });
     }
 }

@@ -91,7 +91,14 @@ impl Space for DiscreteLagrange {
 }
 
 impl Split for DiscreteLagrange {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, _paths: &mut [PathIndex]) {
+    fn advance<V: Lane>(
+        &self,
+        scheme: &Scheme,
+        groups: &mut [V],
+        sizes: &[f64],
+        repeats: u64,
+        _paths: &mut [PathIndex],
+    ) {
         let inverse = self.0.inverse_inertia;
         let kinetic = Discrete { inverse: inverse[0], excess: inverse[2] - inverse[0] };
         Run { top: &self.0, scheme, groups, sizes, repeats }.with(kinetic);
@@ -99,7 +106,14 @@ impl Split for DiscreteLagrange {
 }
 
 impl Split for Top {
-    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64, _paths: &mut [PathIndex]) {
+    fn advance<V: Lane>(
+        &self,
+        scheme: &Scheme,
+        groups: &mut [V],
+        sizes: &[f64],
+        repeats: u64,
+        _paths: &mut [PathIndex],
+    ) {
         let inverse = self.inverse_inertia;
         let excess = |axis: usize| inverse[axis] - inverse[(axis + 1) % 3];
         let run = Run { top: self, scheme, groups, sizes, repeats };
