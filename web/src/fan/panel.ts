@@ -344,9 +344,8 @@ export class FanSection {
     else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
       parts.push(`${this.energy}A click adds an orbit.`);
-      if (failed) parts.push(`${failed} of ${guesses} guesses led to no state of this energy.`);
-      if (uncrossed) parts.push(`${uncrossed} of ${guesses} did not cross the surface.`);
-      if (left) parts.push(`${left} more ${left === 1 ? "orbit is" : "orbits are"} left out: to infinity or a singularity.`);
+      if (left) parts.push(`${left} that ${left === 1 ? "runs" : "run"} off to infinity or a singularity ${left === 1 ? "is" : "are"} left out.`);
+      if (2 * (failed + uncrossed) > guesses) parts.push(`Of ${guesses} guesses ${failed} had no state of this energy, ${uncrossed} no crossing.`);
     }
     const text = parts.join(" ");
     if (this.status.textContent === text) return;

@@ -96,7 +96,9 @@ export class LyapunovPanel {
     const lambda = exponent.rows[last][0];
     value.textContent = lambda.toFixed(Math.abs(lambda) < 0.01 ? 4 : 3).replace("-", "−");
     const time = Math.round(exponent.times[last]).toLocaleString("en");
-    this.head.replaceChildren(element("λ"), " = ", value, " at ", element("t"), ` = ${time}`);
+    const when = Object.assign(document.createElement("span"), { className: "words" });
+    when.append(" at ", element("t"), ` = ${time}`);
+    this.head.replaceChildren(element("λ"), " = ", value, when);
     this.plot.canvas.setAttribute("aria-label", `${LABEL}, ${value.textContent} at t = ${time}`);
     this.head.title = members ? `Band: 80 % of ${members} starts along this orbit; dashed: their median.` : "";
   }
