@@ -344,7 +344,7 @@ export class FanSection {
     else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
       parts.push(`${this.energy}A click adds an orbit.`);
-      if (left) parts.push(`${left} that ${left === 1 ? "runs" : "run"} off to infinity or a singularity ${left === 1 ? "is" : "are"} left out.`);
+      if (left) parts.push(`${left} escaping ${left === 1 ? "orbit" : "orbits"} left out.`);
       if (2 * (failed + uncrossed) > guesses) parts.push(`Of ${guesses} guesses ${failed} had no state of this energy, ${uncrossed} no crossing.`);
     }
     const text = parts.join(" ");

@@ -7,6 +7,8 @@ import { element } from "../symbols";
 import { Plot } from "./plot";
 
 const LABEL = "Finite-time Lyapunov exponent";
+/** Left of this the numbers of the axis stand. */
+const LEAST = 60;
 
 export class LyapunovPanel {
   readonly plot: Plot;
@@ -71,10 +73,11 @@ export class LyapunovPanel {
     const { below: c, width } = this.plot;
     const text = `80 % of ${members} starts, median`;
     c.font = `11px "Inter Variable", sans-serif`;
+    const left = width - 22 - c.measureText(text).width - 32;
+    if (left < LEAST) return;
     c.textAlign = "right";
     c.fillStyle = palette.faint;
     c.fillText(text, width - 22, 28);
-    const left = width - 22 - c.measureText(text).width - 32;
     c.globalAlpha = 0.18;
     c.fillStyle = palette.accent;
     c.fillRect(left, 18, 26, 12);
@@ -94,7 +97,7 @@ export class LyapunovPanel {
     if (last < 0) return this.head.replaceChildren();
     const value = document.createElement("b");
     const lambda = exponent.rows[last][0];
-    value.textContent = lambda.toFixed(Math.abs(lambda) < 0.01 ? 4 : 3).replace("-", "−");
+    value.textContent = lambda.toFixed(Math.abs(lambda) < 0.01 ? 4 : 3).replace(/^-(?=0\.0+$)/, "").replace("-", "−");
     const time = Math.round(exponent.times[last]).toLocaleString("en");
     const when = Object.assign(document.createElement("span"), { className: "words" });
     when.append(" at ", element("t"), ` = ${time}`);
