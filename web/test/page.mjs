@@ -396,6 +396,53 @@ const checks = {
     assert.deepEqual(wrong, []);
     await tab.close();
   },
+  async "a tour of another page is a link to it, which goes its steps there and covers nothing; what was changed has none"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=collinear&theme=light");
+    await ready(tab);
+    await tab.keyboard.press("h");
+    await tab.locator("#tours a", { hasText: "From order to chaos" }).click();
+    await tab.locator("#tour[open]").waitFor();
+    const steps = [];
+    for (let k = 0; k < 5; k++) {
+      steps.push([await tab.locator("#tour h2").innerText(), (await state(tab)).start[1].value]);
+      await tab.keyboard.press("ArrowRight");
+    }
+    assert.deepEqual(steps.map(([title]) => title.slice(0, 6)), [1, 2, 3, 4, 5].map((k) => `${k} of 5`));
+    assert.deepEqual(steps.map(([, y]) => y), [0.3, -0.1, 0.1, -0.2, -0.1]);
+    await tab.keyboard.press("h");
+    await tab.locator("#tours button", { hasText: "From order to chaos" }).click();
+    const [box, drift] = [await tab.locator("#tour").boundingBox(), await tab.locator("#drift").boundingBox()];
+    assert.ok(box.y >= drift.y + drift.height, `${box.y} ${drift.y + drift.height}`);
+    await tab.keyboard.press("Escape");
+    await tab.locator("#hamiltonian").fill("(p_x^2 + p_y^2 + x^2 + y^2)/2 + x^2*y");
+    await tab.waitForFunction(() => window.typed.rests());
+    await tab.locator("#guide").click();
+    assert.equal(await tab.locator("#tours button", { hasText: "From order to chaos" }).count(), 0);
+    assert.deepEqual(wrong, []);
+    await tab.close();
+  },
+  async "arrow keys change the last digit of an entry, E hands the state on, and of a wrong formula the old charts fade"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#own=1&example=henon-heiles");
+    await tab.locator("#hamiltonian").waitFor();
+    await tab.waitForFunction(() => window.typed.rests() && window.laboratory);
+    const entry = tab.getByLabel("p_x, exact value");
+    await entry.fill("0.40");
+    for (const key of ["ArrowUp", "ArrowUp", "ArrowDown", "ArrowUp"]) await entry.press(key);
+    assert.deepEqual((await state(tab)).start[2], { text: "0.42", value: 0.42 });
+    await entry.blur();
+    await tab.keyboard.press("e");
+    assert.equal(await tab.locator("#sharing[open]").count(), 1);
+    await tab.keyboard.press("Escape");
+    const faded = () => tab.evaluate(() => getComputedStyle(document.querySelector("#section")).opacity);
+    await tab.locator("#hamiltonian").fill("p_x^2 +");
+    await tab.waitForTimeout(2000);
+    assert.equal(await faded(), "0.4");
+    await tab.locator("#hamiltonian").fill("(p_x^2 + p_y^2 + x^2 + y^2)/2");
+    await tab.waitForTimeout(2000);
+    assert.equal(await faded(), "1");
+    assert.deepEqual(wrong, []);
+    await tab.close();
+  },
   async "a tour of a teacher is taken from a file and from a link, and shown as text"() {
     const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=collinear&theme=light");
     await ready(tab);
