@@ -433,13 +433,11 @@ const checks = {
     await tab.keyboard.press("e");
     assert.equal(await tab.locator("#sharing[open]").count(), 1);
     await tab.keyboard.press("Escape");
-    const faded = () => tab.evaluate(() => getComputedStyle(document.querySelector("#section")).opacity);
+    const seen = (opacity) => tab.waitForFunction((opacity) => getComputedStyle(document.querySelector("#section")).opacity === opacity, opacity);
     await tab.locator("#hamiltonian").fill("p_x^2 +");
-    await tab.waitForTimeout(2000);
-    assert.equal(await faded(), "0.4");
+    await seen("0.4");
     await tab.locator("#hamiltonian").fill("(p_x^2 + p_y^2 + x^2 + y^2)/2");
-    await tab.waitForTimeout(2000);
-    assert.equal(await faded(), "1");
+    await seen("1");
     assert.deepEqual(wrong, []);
     await tab.close();
   },
