@@ -49,6 +49,8 @@ export function tell(message: string): void {
   box.hidden = message === "";
   place().report(message);
 }
+/** Whether what is typed cannot be read, and an older system is shown. */
+const isStale = () => document.documentElement.hasAttribute("data-stale");
 /** What is said to those who do not see it. */
 export const say = (text: string) => (find("said").textContent = text);
 
@@ -171,7 +173,18 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     this.show();
   }
 
+  /** What was told of the present run. */
+  private toldOfRun = "";
+
+  private tellOfRun(message: string): void {
+    this.toldOfRun = message;
+    tell(message);
+  }
+
   protected run(): void {
+    // what was said of another orbit does not hold of this one
+    if (this.toldOfRun !== "" && find("message").firstElementChild?.textContent === this.toldOfRun) tell("");
+    this.toldOfRun = "";
     this.results = new Results(this.kind.width);
     delete document.documentElement.dataset.ready;
     this.asked = 0;
@@ -305,7 +318,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
 
   private sharing(): void {
     const title = [find("title").textContent, "the laboratory of liepoisson"].filter(Boolean).join(", ");
-    this.dialog.open({ base: location.href.split(/[?#]/)[0], address: this.written(), title, file: this.exported().file, pristine: PRISTINE, moves: this.state.playing });
+    this.dialog.open({ base: location.href.split(/[?#]/)[0], address: this.written(), title, file: this.exported().file, pristine: PRISTINE, moves: this.state.playing, isStale: isStale() });
   }
 
   /** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */
@@ -314,7 +327,7 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
     if (!lines) return;
     try {
       await navigator.clipboard.writeText(lines);
-      tell("The lines of Python that compute this orbit are copied.");
+      tell(isStale() ? "What is typed cannot be read: the copied lines are of the system before, which is shown." : "The lines of Python that compute this orbit are copied.");
     } catch {
       const dialog = find<HTMLDialogElement>("lines");
       const text = dialog.querySelector("textarea") as HTMLTextAreaElement;
@@ -482,11 +495,11 @@ export abstract class Page<State extends Everyday, Action extends { readonly do:
   /** What the worker has found. */
   take(update: Update): void {
     this.results.take(update);
-    if (update.say === "ended") tell(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
+    if (update.say === "ended") this.tellOfRun(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
   }
 
   refuse(message: string): void {
-    tell(`The core refuses this: ${message}`);
+    this.tellOfRun(`The core refuses this: ${message}`);
   }
 
   /** Has its orbits computed by a worker. */

@@ -343,9 +343,10 @@ export class FanSection {
     else if (!finished) parts.push(orbits.some(({ verdict }) => verdict) || orbits.length >= (this.wanted?.count ?? 0) ? "Deciding …" : "Filling the section …");
     else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
-      parts.push(`${this.energy}A click adds an orbit.`);
+      if (this.energy) parts.push(this.energy.trim());
       if (left) parts.push(`${left} escaping ${left === 1 ? "orbit" : "orbits"} left out.`);
       if (2 * (failed + uncrossed) > guesses) parts.push(`Of ${guesses} guesses ${failed} had no state of this energy, ${uncrossed} no crossing.`);
+      parts.push("A click adds an orbit.");
     }
     const text = parts.join(" ");
     if (this.status.textContent === text) return;

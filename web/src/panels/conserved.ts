@@ -88,6 +88,7 @@ export class Conserved {
     if (!this.drafts.has(name)) return true;
     try {
       this.wanted[name] = exact(input.value);
+      if (input.hasAttribute("aria-invalid")) this.does.refuse("");
       input.removeAttribute("aria-invalid");
     } catch (error) {
       delete this.wanted[name];

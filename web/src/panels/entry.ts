@@ -11,6 +11,8 @@ export function exactEntry(name: string, set: (to: Exact) => void, refuse: (mess
   input.addEventListener("change", () => {
     try {
       set(exact(input.value));
+      // a message about what was here goes with it
+      if (input.hasAttribute("aria-invalid")) refuse("");
       input.removeAttribute("aria-invalid");
     } catch (error) {
       input.setAttribute("aria-invalid", "true");
@@ -21,7 +23,7 @@ export function exactEntry(name: string, set: (to: Exact) => void, refuse: (mess
   return input;
 }
 
-/** Lets the arrow keys change the last digit of a decimal number. */
+/** Lets the arrow keys change the last digit of a decimal number, or the numerator of a fraction. */
 export function stepsByArrows(input: HTMLInputElement): void {
   input.addEventListener("keydown", (event) => {
     const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];

@@ -9,7 +9,7 @@ export interface Help {
 }
 
 /** What is said of a section of many orbits. */
-export const MANY_ORBITS: Pairs[number] = ["Many orbits", "They have the energy and the Casimirs of the start. Dots are regular, crosses chaotic, squares undecided: the rule of the Python function decide, after a thousand natural times. It errs, most of all on orbits that have hardly begun to be chaotic by then."];
+export const MANY_ORBITS: Pairs[number] = ["Many orbits", "They have the energy and the Casimirs of the start, and are a sample: another start of the same energy leads to others, and to other numbers of them. Dots are regular, crosses chaotic, squares undecided: the rule of the Python function decide, after a thousand natural times. It errs, most of all on orbits that have hardly begun to be chaotic by then."];
 
 /** Keys of a chart that has the focus. */
 export const ZOOM: Pairs[number] = ["+ − 0 in the section", "see less or more of it, or all; so do the wheel and two fingers, and a drag moves what is seen"];

@@ -38,6 +38,8 @@ export interface Shared {
   readonly pristine: string;
   /** Whether it moves: then another page begins at its start. */
   readonly moves: boolean;
+  /** Whether what is typed cannot be read. */
+  readonly isStale: boolean;
 }
 
 /** An address that begins at the start of its orbit. */
@@ -78,13 +80,17 @@ export class ShareDialog {
   }
 
   open(shared: Shared): void {
-    const { base, address, title, moves } = (this.shared = shared);
+    const { base, address, title, moves, isStale } = (this.shared = shared);
     const url = `${base}#${address}`;
     this.link.value = url;
     this.line.value = frameLine(`${base}?embed=1#${moves ? fromStart(address) : address}`, title);
     const local = isLocal(base);
-    this.note.hidden = !local;
-    this.note.textContent = "This page is on your machine, so others cannot open its address: send them the file, or put the page on a server.";
+    const notes = [
+      ...(isStale ? ["What is typed cannot be read: whoever opens this sees it with the same message."] : []),
+      ...(local ? ["This page is on your machine, so others cannot open its address, nor the line: send them the file, or put the page on a server."] : []),
+    ];
+    this.note.hidden = notes.length === 0;
+    this.note.textContent = notes.join(" ");
     const code = local ? null : codeOf(url);
     this.code.toggleAttribute("hidden", code === null);
     this.none.hidden = code !== null || local;

@@ -72,7 +72,7 @@ export class Tours<State> {
     if (number !== undefined) {
       const tour = tours[Number(number) - 1];
       if (tour && tour.system === this.stage.system()) this.begin(tour);
-      else this.refuse("link", tour ? `it is for the page of ${tour.system ?? "tops"}` : `the page has tours 1 to ${tours.length}`);
+      else this.refuse("link", tour ? `it is for the page of ${tour.system ?? "tops"}, where Tours leads` : `the page has tours 1 to ${tours.length}`);
       return;
     }
     // a text has at most twelve characters of a link for one of its own
@@ -175,7 +175,7 @@ function elsewhere(tour: Tour): HTMLElement {
     const link = document.createElement("a");
     const page = tour.system === undefined ? "" : `own=1&example=${tour.system}&`;
     link.href = `#${page}${LINK}${tours.indexOf(tour) + 1}`;
-    link.append(tour.title, small(tour.about));
+    link.append(tour.title, small(`${tour.about} It opens another page; the browser goes back to this one.`));
     item.append(link);
   } else {
     const command = document.createElement("code");

@@ -46,9 +46,11 @@ export function shortest(value: number): Exact {
   return exact(String(Object.is(value, -0) ? 0 : value));
 }
 
-/** A decimal text with its last digit so much higher; null where it is none. */
+/** A decimal text with its last digit so much higher, or a fraction with its numerator; null where it is none. */
 export function nudged(written: string, by: number): string | null {
   const text = written.trim().replaceAll("−", "-");
+  const fraction = /^(-?\d{1,9})(\/\d{1,9})$/.exec(text);
+  if (fraction) return `${Number(fraction[1]) + by}${fraction[2]}`.replace("-", "−");
   const digits = /^-?\d*(?:\.(\d*))?$/.exec(text);
   if (!digits || !/\d/.test(text) || text.length > 12) return null;
   const places = digits[1]?.length ?? 0;

@@ -2,6 +2,7 @@
 
 import { exact, type Exact } from "../../state/exact";
 import { Refused } from "../../state/everyday";
+import { shortened } from "../../state/query";
 import data from "../../data/systems.json";
 
 /** A parameter: the text of a number, or those of a vector. */
@@ -148,7 +149,11 @@ export function draftRead(address: string): { readonly draft: Draft; readonly re
   const query = new URLSearchParams(text);
   const version = query.get("own") ?? "";
   if (version !== VERSION) throw new Refused(`the address has version ${version.slice(0, 20) || "none"} of typed systems; this page reads version ${VERSION}`);
-  if (!query.has("bracket") && !query.has("sum")) return { draft: draftOf(query.get("example") ?? ""), rest: "" };
+  if (!query.has("bracket") && !query.has("sum")) {
+    const key = query.get("example");
+    if (key !== null && !EXAMPLES.some((one) => one.key === key)) throw new Refused(`there is no example "${shortened(key)}"`);
+    return { draft: draftOf(key ?? ""), rest: "" };
+  }
   const texts = Object.fromEntries(
     TEXTS.map((name) => {
       const found = query.get(name) ?? "";
