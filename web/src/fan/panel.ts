@@ -231,7 +231,7 @@ export class FanSection {
     }
     setText(this.remark, charted.remark ?? this.about.nothing);
     const energy = results.first[results.names.indexOf("H")];
-    const said = energy === undefined ? "" : `H = ${String(Number(energy.toPrecision(4))).replace("-", "−")}. `;
+    const said = energy === undefined ? "" : `H = ${String(Number(energy.toPrecision(4))).replace("-", "−")}.`;
     if (said !== this.energy) {
       this.energy = said;
       this.describe();
@@ -343,7 +343,7 @@ export class FanSection {
     else if (!finished) parts.push(orbits.some(({ verdict }) => verdict) || orbits.length >= (this.wanted?.count ?? 0) ? "Deciding …" : "Filling the section …");
     else if (last) parts.push("No orbit of this energy goes through the last point.");
     else {
-      if (this.energy) parts.push(this.energy.trim());
+      if (this.energy) parts.push(this.energy);
       if (left) parts.push(`${left} escaping ${left === 1 ? "orbit" : "orbits"} left out.`);
       if (2 * (failed + uncrossed) > guesses) parts.push(`Of ${guesses} guesses ${failed} had no state of this energy, ${uncrossed} no crossing.`);
       parts.push("A click adds an orbit.");

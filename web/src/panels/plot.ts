@@ -21,7 +21,7 @@ const BOTTOM = 38;
 /** Of a range, on either side. */
 const MARGIN = 0.08;
 /** Below the upper end of the axis, where its name stands in place of a number. */
-const NAME = 12;
+const NAME = 16;
 /** Pixels that a pointer may slip in a click. */
 const SLIP = 4;
 const NUMBERS = `12px "Inter Variable", sans-serif`;
@@ -222,7 +222,7 @@ export class Plot {
     }
     c.textAlign = "right";
     // where the name of an axis stands, a number has no place
-    const hasPlace = (value: number) => !this.y.name || this.py(value) >= TOP + NAME + 4;
+    const hasPlace = (value: number) => !this.y.name || this.py(value) >= TOP + NAME;
     for (const { value, text } of ticks(this.y, (height - TOP - BOTTOM) / 45, hasPlace)) {
       const at = Math.round(this.py(value)) + 0.5;
       line(c, value === 0 && !this.y.log ? palette.zero : palette.grid, LEFT, at, width - RIGHT, at);

@@ -17,7 +17,7 @@ pub enum Outcome {
     NoConvergence,
     /// The time that the run may take was over before it reached the last time.
     TimeLimit,
-    /// Its step is longer than the times in which the damping relaxes.
+    /// Its step is not short beside the times in which the damping relaxes.
     StepTooLarge,
 }
 
