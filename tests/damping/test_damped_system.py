@@ -303,3 +303,18 @@ def test_what_is_no_damping_is_refused(call, error, words):
     with pytest.raises(error) as caught:
         call()
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("unit", ["1e-200", "1e-40", "1", "1e40"])
+def test_smooth_forms_are_judged_in_every_unit(unit):
+    def corner(a, b, c):
+        return [[f"{unit}*{a}", f"{unit}*{b}", 0], [f"{unit}*{b}", f"{unit}*{c}", 0], [0, 0, 0]]
+
+    with pytest.raises(lp.errors.ParameterError, match="G grad H = 0"):
+        metriplectic(EULER, "C1", matrix=corner("exp(l1)", "0", "0"))
+    nothing = corner("(sin(l1)^2 + cos(l1)^2 - 1)", "0", "0")
+    assert metriplectic(EULER, "C1", matrix=nothing).laws[1].motion == "constant"
+    assert double(EULER, 1, metric=corner("exp(l1)", "exp(l1)/2", "exp(l1)")).laws[0].known == "sampled"
+    for entries in (("exp(l1)", "2*exp(l1)", "exp(l1)"), ("(sin(l1) - 1/2)", "0", "1")):
+        with pytest.raises(lp.errors.ParameterError, match="negative eigenvalue"):
+            double(EULER, 1, metric=corner(*entries))

@@ -25,9 +25,11 @@ $\sigma = \sum aa^T$, $\mu = \sum bb^T$ the second is $\sum cc^T$ with $c = a\,(
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.decimals import vanishes_at
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.damping.symmetric_forms import Known, Sign, points, semidefinite
 from liepoisson.errors import BracketError, ParameterError
@@ -118,10 +120,11 @@ def of_matrix(system: System, entropy: Expr, G: Matrix) -> DampingVector:
 
     h, s = (Matrix(system.bracket.gradient(f)) for f in (system.hamiltonian, entropy))
     degenerate: Known = "proved"
-    for name, left in zip(system.component_names, G * h, strict=True):
+    for name, left, row in zip(system.component_names, G * h, G.tolist(), strict=True):
         if is_zero(left):
             continue
-        if left.is_rational_function(*left.free_symbols) or not _vanishes_at_points(left, system):
+        products = [entry * slope for entry, slope in zip(row, h, strict=True)]
+        if left.is_rational_function(*left.free_symbols) or not _vanishes_at_points(products, system):
             raise ParameterError(
                 f"matrix: wanted a symmetric bracket G with G grad H = 0, so that H is kept; component {name} of "
                 f"G grad H is {left!s:.100}; leave matrix out, or give forms=(sigma, mu), from which such a G is "
@@ -183,9 +186,9 @@ def weakest(*known: Known) -> Known:
     return min(known, key=order.index)
 
 
-def _vanishes_at_points(function: Any, system: System) -> bool:
-    """In 50 digits, at all points where it is defined, of which there must be one."""
-    if function.free_symbols - {*system.variables}:
+def _vanishes_at_points(products: Sequence[Expr], system: System) -> bool:
+    """Whether a sum is round-off beside its terms at all points where it has a value, of which there must be one."""
+    if any(product.free_symbols - {*system.variables} for product in products):
         return False
-    values = [value for point in points(system.variables) if (value := function.evalf(50, subs=point)).is_finite]
-    return bool(values) and all(abs(value) < 1e-30 for value in values)
+    found = [vanishes_at(products, point) for point in points(system.variables)]
+    return True in found and False not in found

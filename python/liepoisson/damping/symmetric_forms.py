@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, cast
 
+from liepoisson.algebra.decimals import decimals, round_off
 from liepoisson.algebra.exact_numbers import is_sympy, is_zero
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 
 N_POINTS = 10
 """Points at which a form that depends on the state is tried, as many as for the Jacobi identity."""
-
-_DIGITS, _ROUND_OFF = 50, 1e-30
 
 Known: TypeAlias = Literal["proved", "sampled", "undecided"]
 """How a statement is known: exactly, at `N_POINTS` points, or not."""
@@ -138,11 +137,16 @@ def _symmetric_functions(form: Any) -> list[Any]:
 
 
 def _is_negative(value: Any) -> bool | None:
-    """Of a real number; None where 50 digits leave it open."""
+    """Of a real number; None where it is round-off beside its terms."""
+    from mpmath import mp
+
     if value.is_negative is not None:
         return value.is_negative
-    number = value.evalf(_DIGITS)
-    return None if abs(number) < _ROUND_OFF else bool(number < 0)
+    if (found := decimals([value], {})) is None:
+        return None
+    (number,), (size,), digits = found
+    with mp.workdps(digits):
+        return None if abs(number) <= round_off(digits) * size else bool(mp.re(number) < 0)
 
 
 def points(variables: Sequence[Symbol]) -> Iterator[dict[Symbol, Any]]:

@@ -22,6 +22,7 @@ from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.equilibrium.leaf_equilibria import equilibrium_near
 from liepoisson.equilibrium.linearisation import ComplexArray
 from liepoisson.equilibrium.second_variation import Symmetries
+from liepoisson.equilibrium.stability import integrals_of
 from liepoisson.errors import LeafError, ParameterError, ShapeError, TimeLimitError
 from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number, as_time
@@ -195,7 +196,7 @@ def relax(
 
     Raises:
         ParameterError: the system is none, is metriplectic or depends on time, or an integral of `along` is not
-            constant; a number is wrong.
+            constant or has no motion of its own; a number is wrong.
         ShapeError: not one state.
         LeafError: the equations of the leaf are not known.
         TimeLimitError: the time limit passes before the orbit begins.
@@ -237,13 +238,9 @@ def _lowered(system: System, along: Any) -> System:
     if given is None:
         raise not_a("a rate for each integral by name", along, "along", 'write for example along={"l3": "1/2"}')
     energy: Any = system.hamiltonian
-    integrals: dict[str, Any] = {}
-    rates: dict[str, Any] = {}
-    for name, value in given.items():
-        integrals[name] = integral = cast("Any", system.expression(name))
-        if not system.is_constant(integral):
-            raise ParameterError(f"along: wanted integrals of {system.name}; {name} is not constant; leave it out")
-        rates[name] = read_parameter(value, f"along: {name}")
+    integrals: dict[str, Any] = {name: system.expression(name) for name in integrals_of(system, tuple(given))}
+    rates = {name: read_parameter(value, f"along: {name}") for name, value in given.items()}
+    for name, integral in integrals.items():
         energy -= to_sympy(rates[name]) * integral
     if not given:
         return system
