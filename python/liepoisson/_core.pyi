@@ -203,7 +203,7 @@ class _Carried(_Ends):
     kept_state: _Array
     frame: _Array
     n_complete: NDArray[np.int64]
-    largest_ratio: _Array
+    ratio: _Array
 
 def carry_frames(
     field: Field,

@@ -147,4 +147,39 @@ def test_a_field_without_a_bracket_has_no_structure_and_few_exponents_no_sum():
 def test_too_long_an_interval_is_told():
     spectrum = lyapunov_spectrum(TOP, lp.sample_states(TOP, 2, seed=1), t_end=400, interval=200)
     assert spectrum.largest_ratio.max() > RATIO_LIMIT
-    assert "take a shorter interval" in spectrum.check()
+    assert "or a shorter one" in spectrum.check()
+
+
+SPIRAL = lp.VectorField({"x": "y", "y": "-x", "z": "-40*z"})
+
+
+@pytest.mark.parametrize(("interval", "advised"), [(1, "0.5"), (4, "0.5"), (50, "1")])
+def test_an_exponent_that_round_off_hides_is_not_known(interval, advised):
+    """Exponents 0, 0, -40: stretchings differ by exp(40 interval), at last beyond 1e308; 18.4/40 = 0.46 is advised."""
+    options = {"t_end": 200, "transient": 100, "covariant": True}
+    spectrum = lyapunov_spectrum(SPIRAL, [1, 0, 1], interval=interval, **options)
+    assert spectrum.outcome.tolist() == ["finished"]
+    np.testing.assert_allclose(spectrum.end_exponent[0, :2], 0, atol=1e-12)
+    assert np.isnan(spectrum.exponent[0, :, 2]).all()
+    assert np.isnan(spectrum.error[0, 2])
+    assert np.isnan(spectrum.covariant.vector).all()
+    assert "only 2 of 3 exponents" in spectrum.check()
+    assert f"take interval={advised} or a shorter one" in spectrum.check()
+    known = lyapunov_spectrum(SPIRAL, [1, 0, 1], interval=0.4, **options)
+    np.testing.assert_allclose(known.end_exponent[0], [0, 0, -40], atol=1e-9)
+    assert np.isfinite(known.covariant.vector).all()
+    assert "interval" not in known.check()
+
+
+def test_what_round_off_hides_before_the_averages_does_not_matter():
+    """z falls from 10^6 to 1, its neighbours by f(z)/f(10^6), less than 1e-18 of that; at the end like exp(-2 t)."""
+    field = lp.VectorField({"x": "y", "y": "-x", "z": "-(z - 1)*(1 + z^2)"})
+    spectrum = lyapunov_spectrum(field, [1, 0, 1e6], t_end=50, transient=20, interval=2)
+    np.testing.assert_allclose(spectrum.end_exponent[0], [0, 0, -2], atol=1e-6)
+
+
+def test_a_natural_time_that_is_not_known_is_told():
+    """q'' = 4 q^3 from 1 is infinite at t = 0.93, long before 32 natural times are over."""
+    spectrum = lyapunov_spectrum(lp.System(lp.canonical(1), "p1^2/2 - q1^4"), [1, 0], t_end=0.5)
+    assert np.isnan(spectrum.time_scale).all()
+    assert "the natural time T of the orbit is not known" in spectrum.check()

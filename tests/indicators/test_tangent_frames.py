@@ -26,7 +26,7 @@ def both(system, starts, n, duration, *, n_vectors=None, method=None, units=None
 def assert_same(together, carried, apart, kept, asked=None):
     """What ends well is the same in all, what fails in how and where it ends."""
     assert together.outcome.tolist() == apart.outcome.tolist()
-    for name in ("state", "end_time", "n_steps", "largest_ratio"):
+    for name in ("state", "end_time", "n_steps", "ratio"):
         assert np.array_equal(getattr(together, name), getattr(apart, name), equal_nan=True), name
     triangles, frames, states = kept
     good = np.isfinite(triangles).all(axis=(2, 3))

@@ -236,7 +236,7 @@ fn carry_frames<'py>(
     result.set_item("kept_state", carried.kept_states.into_pyarray(py))?;
     result.set_item("frame", carried.frames.into_pyarray(py))?;
     result.set_item("n_complete", PyArray1::from_iter(py, carried.n_complete.iter().map(|&n| n as i64)))?;
-    result.set_item("largest_ratio", carried.largest_ratios.into_pyarray(py))?;
+    result.set_item("ratio", carried.ratios.into_pyarray(py))?;
     Ok(result)
 }
 

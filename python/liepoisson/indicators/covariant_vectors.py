@@ -50,7 +50,7 @@ class CovariantVectors(ReadOnlyArrays):
         time: Times, from the end of the transient on, shape (time,).
         state: The states there, shape (trajectory, time, component).
         vector: Unit vectors in the order of the exponents, shape (trajectory, time, k, component); NaN for trajectories
-            that did not finish.
+            that did not finish, or along which round-off hides an exponent (`Spectrum.largest_ratio`).
         growth: Mean growth rate of each vector over each interval, in inverse time, shape (trajectory, time - 1, k).
     """
 
@@ -182,7 +182,7 @@ class CovariantRecord:
     def vectors(self) -> CovariantVectors:
         """Goes back through the triangular matrices; states after the end of all runs are the last good ones."""
         source, n_times = self._source, self._during + 1
-        finished = source.outcome == "finished"
+        finished = (source.outcome == "finished") & ~source.is_hidden.any(axis=1)
         n_all, n = source.state.shape
         vector = np.full((n_all, n_times, n, n), np.nan)
         growth = np.full((n_all, self._during, n), np.nan)

@@ -59,17 +59,19 @@ class Spectrum(IntegratedRun):
         t_end: For how long they are taken.
         time: Averaging times, evenly spaced, shape (time,); they count from the end of the transient.
         exponent: Running values $t^{-1}\sum\ln R_{kk}$ in inverse time, shape (trajectory, time, k); NaN from where a
-            trajectory failed.
+            trajectory failed, and of exponents that round-off hides (see `largest_ratio`).
         time_scale: Natural unit of time T of each trajectory (`liepoisson.orbits.time_scale`), shape (trajectory,).
         error: Standard error of each last value as an average over the time of this one orbit (see `mean_error`), shape
-            (trajectory, k); NaN where a trajectory failed.  It is no error over starts: that is in `mean`.  It does
+            (trajectory, k); NaN where the exponent is.  It is no error over starts: that is in `mean`.  It does
             not contain the bias of order $\ln(t/T)/t$ that all finite-time exponents have, and it is too small while t
             is below some twenty times the time for which orbits stick to islands.  Measured for the twisted
             Kovalevskaya top: at t = 1,000 the spread over copies within 1e-9 of four starts is 1.1 to 2.0 of it, and
             the intervals of 95% hold the mean in 65% to 90%; from t = 4,000 to 10,000 on in 83% to 94%.
         structure: What the bracket says about zeros and pairs, or None for a system without a Poisson tensor.
-        largest_ratio: Largest ratio of two stretchings within one interval, shape (trajectory,).  The smallest
-            exponents have a relative error of some 1e-16 times this in each interval: choose a shorter one above 1e8.
+        largest_ratio: Largest ratio of two stretchings within one interval of the averages, shape (trajectory,).  The
+            smallest stretching there has a relative error of some 2e-16 times this: choose a shorter interval above
+            1e8.  Where an exponent's own ratio exceeds 4.5e14, a tenth and more of its stretching is round-off, and
+            it is NaN.
         end_time: Time that each trajectory reached, shape (trajectory,), the transient included.
         covariant: The covariant Lyapunov vectors, if they were asked for.
     """
@@ -285,10 +287,12 @@ def lyapunov_spectrum(
     clock = Clock(before + during + (before if covariant else 0), progress)
     vectors = CovariantRecord(frames, t_end, transient, during, before) if covariant else None
     clock.carry(frames, before, transient / max(1, before), per_row=max(1, before))
+    frames.ratio.fill(1.0)  # what was hidden before the averages does not matter
     if vectors is not None:
         vectors.begin()
     carried = clock.carry(frames, during, t_end / during, per_row=per_time, keep=covariant)
-    growth = _with_those_of_time(carried.growth, frames)
+    growth = _with_those_of_time(np.where(frames.is_hidden[:, None], np.nan, carried.growth), frames)
+    largest_ratio = frames.ratio.max(axis=1)
     time, finished = t_end * np.arange(1, n_times + 1) / n_times, frames.outcome == "finished"
     time[-1] = t_end  # which the quotient may miss by a bit; a file has the time from here
     if vectors is not None:
@@ -307,7 +311,7 @@ def lyapunov_spectrum(
         exponent=exponent,
         error=_errors(growth, t_end, finished),
         structure=structure,
-        largest_ratio=frames.largest_ratio,
+        largest_ratio=largest_ratio,
         outcome=frames.outcome,
         end_time=frames.end_time,
         n_steps=frames.n_steps,

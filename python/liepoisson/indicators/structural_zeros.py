@@ -39,7 +39,7 @@ from liepoisson.numeric.method.method import Method
 from liepoisson.numeric.method.taylor import Taylor
 from liepoisson.numeric.systems import HasFunctions, has_functions, known_constants
 from liepoisson.numeric.time_scale import zero_threshold
-from liepoisson.portable import linear
+from liepoisson.portable import elementary, linear
 from liepoisson.streams import generator
 
 if TYPE_CHECKING:
@@ -277,9 +277,9 @@ def check_lines(spectrum: Spectrum) -> list[str]:
         return ["no trajectory finished: there is nothing to check"]
     residuals, structure = spectrum.residuals, spectrum.structure
     if not np.isfinite(residuals.sum[finished]).any():
-        return [
-            f"only {spectrum.exponent.shape[2]} of {len(spectrum.components)} exponents: sum and pairs are not known"
-        ]
+        n_known = int(np.isfinite(spectrum.end_exponent[finished]).sum(axis=1).max())
+        line = f"only {n_known} of {len(spectrum.components)} exponents: sum and pairs are not known"
+        return [line, *_ratio_line(spectrum)]
     lines = [_sum_line(spectrum, residuals.sum[finished])]
     if structure is None:
         return [*lines, "no Poisson tensor is known: no pairs and zeros to check", *_ratio_line(spectrum)]
@@ -290,7 +290,9 @@ def check_lines(spectrum: Spectrum) -> list[str]:
     counts = sorted(set(structure.n_zeros[finished].tolist()))
     within, zeros = residuals.zeros_below_threshold[finished], residuals.zeros[finished]
     claim = f"structural zeros: {' or '.join(map(str, counts))} of {len(spectrum.components)}"
-    if np.isfinite(zeros).any():
+    if np.isfinite(zeros).any() and not np.isfinite(residuals.zero_threshold[finished]).any():
+        lines.append(f"{claim}, at most {_largest(zeros):.1e}; the natural time T of the orbit is not known")
+    elif np.isfinite(zeros).any():
         threshold = _interval(residuals.zero_threshold[finished])
         lines.append(
             f"{claim}, at most {_largest(zeros):.1e}; below 3 ln(t/T) / t = {threshold} for "
@@ -331,10 +333,16 @@ def _interval(values: Array, digits: str = ".1e") -> str:
 
 
 def _ratio_line(spectrum: Spectrum) -> list[str]:
-    ratio = float(np.max(spectrum.largest_ratio))
+    finished = spectrum.outcome == "finished"
+    ratio = float(np.max(spectrum.largest_ratio[finished]))
     if ratio <= RATIO_LIMIT:
         return []
+    apart = f"by {ratio:.1e}" if np.isfinite(ratio) else "beyond all numbers"
+    logarithm = elementary.log(min(ratio, float(np.finfo(float).max)))
+    shorter = spectrum.interval * float(elementary.log(RATIO_LIMIT) / logarithm)
+    are_hidden = not np.isfinite(spectrum.end_exponent[finished]).all()
+    lost = "those that it hides are NaN" if are_hidden else "the smallest exponents lose digits"
     return [
-        f"within an interval of up to {spectrum.interval:g} stretchings differ by {ratio:.1e}: the smallest exponents "
-        "are lost in round-off; take a shorter interval"
+        f"within an interval of up to {spectrum.interval:g} stretchings differ {apart}, so that round-off "
+        f"matters: {lost}; take interval={shorter:.1g} or a shorter one"
     ]

@@ -30,6 +30,9 @@ from liepoisson.streams import Purpose, stream
 MOST_INTERVALS = 10_000_000
 """Most intervals of a run: each costs microseconds at least, so that these take a minute for each trajectory."""
 
+HIDDEN = 0.1 / np.finfo(float).eps
+"""A vector that is stretched less by this factor than another one is a tenth round-off of the longer one, or more."""
+
 
 @dataclass(frozen=True)
 class Carried:
@@ -72,8 +75,8 @@ class TangentFrames:
         end_time: Time reached, shape (trajectory,).
         n_steps: Accepted steps, shape (trajectory,).
         n_wanted, n_left_out: Vectors that were asked for, and components that all vectors have zero.
-        largest_ratio: The largest ratio of two stretchings in one interval, shape (trajectory,).  Contracting
-            directions are lost in round-off where it nears 1e16.
+        ratio: For each vector the largest ratio in one interval of the greatest stretching to its own, shape
+            (trajectory, vector).
     """
 
     def __init__(
@@ -101,9 +104,14 @@ class TangentFrames:
         self.outcome: NDArray[np.str_] = np.where(finite, "finished", "not finite").astype("<U32")
         self.end_time: Array = np.zeros(len(self.state))
         self.n_steps: NDArray[np.int64] = np.zeros(len(self.state), dtype=np.int64)
-        self.largest_ratio: Array = np.ones(len(self.state))
+        self.ratio: Array = np.ones((len(self.state), k))
         self.order, self.kernel = 0, ""
         self._system = _Prepared(system.name, self.field)
+
+    @property
+    def is_hidden(self) -> NDArray[np.bool_]:
+        """Which vectors' stretchings round-off hides, shape (trajectory, vector)."""
+        return self.ratio > HIDDEN
 
     def goes_on(self, only: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
         """Which of the (given) trajectories have not ended, shape (trajectory,)."""
@@ -220,7 +228,7 @@ class TangentFrames:
         self.frame[going] = raw["frame"].reshape(len(going), *self.frame.shape[1:])
         self.end_time[going] = raw["end_time"]
         self.n_steps[going] += raw["n_steps"]
-        self.largest_ratio[going] = np.maximum(self.largest_ratio[going], raw["largest_ratio"])
+        self.ratio[going] = np.maximum(self.ratio[going], raw["ratio"].reshape(len(going), -1))
         late = outcome_names(raw["outcome"]) == "time limit"
         self.outcome[going[late]] = "time limit"
         return raw
@@ -245,9 +253,9 @@ class TangentFrames:
         frames[good], triangles[good] = positive_qr(pushed[good])
         self.frame[going] = frames
         diagonal = np.diagonal(triangles[good], axis1=1, axis2=2)
-        ratio = np.divide(diagonal.max(axis=1), diagonal.min(axis=1), out=np.full(len(diagonal), np.inf),
-                          where=diagonal.min(axis=1) > 0)  # fmt: skip
-        self.largest_ratio[going[good]] = np.maximum(self.largest_ratio[going[good]], ratio)
+        largest, ratio = diagonal.max(axis=1, keepdims=True, initial=0.0), np.full_like(diagonal, np.inf)
+        np.divide(largest, diagonal, out=ratio, where=diagonal > 0)
+        self.ratio[going[good]] = np.maximum(self.ratio[going[good]], ratio)
         return triangles
 
 

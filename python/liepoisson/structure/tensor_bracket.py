@@ -363,7 +363,9 @@ class PoissonTensor(Bracket):
 
         Of a log-canonical tensor, $J_{ij} = c_{ij} x_i x_j$, these are all sets where some coordinates vanish and the
         others do not, up to 6 coordinates: the rank there is that of c without the rows and columns of the former.  Of
-        any other tensor it is the open one alone, "everywhere" if J is constant.
+        any other that is polynomial with rational numbers they are the sets where Pfaffians of one size vanish and
+        those of the next do not all.  Else, and beyond the limits of algebra, it is the open one alone, "everywhere"
+        if J is constant.
         """
         from liepoisson.structure.tensor_leaves import strata
 

@@ -53,8 +53,8 @@ pub struct Carried {
     pub frames: Vec<f64>,
     /// Complete intervals of each trajectory.
     pub n_complete: Vec<usize>,
-    /// The largest ratio of two diagonal entries of one R, of each trajectory.
-    pub largest_ratios: Vec<f64>,
+    /// For each vector the largest ratio in one interval of the greatest `R_jj` to its own, `(trajectory, vector)`.
+    pub ratios: Vec<f64>,
     /// Time that each trajectory has run for, states and numbers of steps. One that could not complete an interval ends where
     /// this interval begins, unless the run was stopped.
     pub summaries: Vec<Summary>,
@@ -136,9 +136,9 @@ fn carry_along(
         ended.summary.outcome = reason;
     }
     let n_complete = ended.iter().map(|ended| ended.n_complete).collect();
-    let largest_ratios = ended.iter().map(|ended| ended.largest_ratio).collect();
+    let ratios = ended.iter().flat_map(|ended| ended.ratios.iter().copied()).collect();
     let summaries = ended.into_iter().map(|ended| ended.summary).collect();
-    Ok(Carried { growth, triangles, kept_frames, kept_states, frames, n_complete, largest_ratios, summaries })
+    Ok(Carried { growth, triangles, kept_frames, kept_states, frames, n_complete, ratios, summaries })
 }
 
 fn check(ensemble: &AnyEnsemble<'_>, schedule: &Schedule<'_>) -> Result<(), Error> {
@@ -187,7 +187,7 @@ struct Shared<'s> {
 /// The end of a trajectory.
 struct Ended {
     n_complete: usize,
-    largest_ratio: f64,
+    ratios: Vec<f64>,
     summary: Summary,
     is_unreached: bool,
 }
@@ -197,7 +197,7 @@ impl Ended {
     fn before(ensemble: &AnyEnsemble<'_>, schedule: &Schedule<'_>, trajectory: usize) -> Ended {
         let state = ensemble.states[trajectory * ensemble.n_components..][..ensemble.n_components].to_vec();
         let summary = Summary { outcome: Outcome::Cancelled, time: schedule.elapsed[trajectory], n_steps: 0, state };
-        Ended { n_complete: 0, largest_ratio: 1.0, summary, is_unreached: true }
+        Ended { n_complete: 0, ratios: vec![1.0; ensemble.n_tangents], summary, is_unreached: true }
     }
 }
 
@@ -209,7 +209,7 @@ struct Trajectory<'s> {
     elapsed: f64,
     n_steps: u64,
     n_complete: usize,
-    largest_ratio: f64,
+    ratios: Vec<f64>,
     /// Sums over the intervals of the present row.
     grown: Vec<f64>,
     /// Intervals up to the next time that it gives way.
@@ -224,7 +224,7 @@ struct Trajectory<'s> {
 impl Trajectory<'_> {
     fn ended(self, outcome: Outcome) -> Ended {
         let summary = Summary { outcome, time: self.elapsed, n_steps: self.n_steps, state: self.state };
-        Ended { n_complete: self.n_complete, largest_ratio: self.largest_ratio, summary, is_unreached: false }
+        Ended { n_complete: self.n_complete, ratios: self.ratios, summary, is_unreached: false }
     }
 
     /// An interval is complete: its end.
@@ -236,14 +236,12 @@ impl Trajectory<'_> {
         }
         let unit = &schedule.units[self.number * n..][..n];
         vectors_of(|i| frame.row(i), unit, &mut self.tangents);
-        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
-        for (j, grown) in self.grown.iter_mut().enumerate() {
-            let stretching = frame.triangle()[j * k + j];
-            (least, largest) = (least.min(stretching), largest.max(stretching));
+        let stretchings = || frame.triangle().iter().step_by(k + 1);
+        let largest = stretchings().fold(0.0_f64, |largest, &stretching| largest.max(stretching));
+        for ((grown, ratio), &stretching) in self.grown.iter_mut().zip(&mut self.ratios).zip(stretchings()) {
             *grown += libm::log(stretching);
+            *ratio = ratio.max(if stretching > 0.0 { largest / stretching } else { f64::INFINITY });
         }
-        let ratio = if least > 0.0 { largest / least } else { f64::INFINITY };
-        self.largest_ratio = self.largest_ratio.max(ratio);
         self.n_complete += 1;
         if self.n_complete.is_multiple_of(schedule.per_row) {
             self.growth[(self.n_complete / schedule.per_row - 1) * k..][..k].copy_from_slice(&self.grown);
@@ -311,7 +309,7 @@ impl Observer for Carrier<'_, '_> {
             elapsed: self.schedule.elapsed[trajectory],
             n_steps: 0,
             n_complete: 0,
-            largest_ratio: 1.0,
+            ratios: vec![1.0; k],
             grown: vec![0.0; k],
             left: self.turn,
             growth: shared.growth.take(trajectory),

@@ -175,8 +175,9 @@ def _tried(bracket: Bracket, function: Expr, rows: Sequence[tuple[int, list[tupl
                 return CasimirCertificate(function, False, False, found, "not zero at a random point, in decimals")
     if not tried:
         raise ParameterError(
-            f"a function that cannot be decided must be defined where coordinates lie between -1 and 1, where it is "
-            f"tried; got {function!s:.60}, which is defined at none of {N_POINTS} points there. Move the coordinates."
+            f"a function that cannot be decided must be defined, and not beyond 10^(5000) or its inverse, where "
+            f"coordinates lie between -1 and 1 and it is tried; got {function!s:.60}, which is at none of {N_POINTS} "
+            "points there. Move the coordinates."
         )
     return CasimirCertificate(function, True, False, {}, f"tried at {tried} random points, in decimals")
 

@@ -167,8 +167,9 @@ class TensorEntries:
                 return Add(*products)
         if not tried:
             raise ParameterError(
-                "the entries of a Poisson tensor must be defined where coordinates and parameters lie between 0 and 1, "
-                "where the Jacobi identity is tried; these are not. Move the coordinates, or give check=False."
+                "the entries of a Poisson tensor must be defined, and not beyond 10^(5000) or its inverse, where "
+                "coordinates and parameters lie between 0 and 1 and the Jacobi identity is tried; these are not. Move "
+                "the coordinates, or give check=False."
             )
         return None
 
@@ -295,8 +296,8 @@ class TensorEntries:
             if (found := decimals([e for *_, e in flat], point)) is not None:
                 return _numeric_rank(flat, found[0], found[2], len(rows), self.dimension)
         raise ParameterError(
-            "functions whose rank is tried must be defined where coordinates and parameters lie between 0 and 1; these "
-            "are not. Move the coordinates."
+            "functions whose rank is tried must be defined, and not beyond 10^(5000) or its inverse, where coordinates "
+            "and parameters lie between 0 and 1; these are not. Move the coordinates."
         )
 
     def rank_at(self, point: Sequence[Exact]) -> int:
