@@ -116,14 +116,16 @@ def of_matrix(system: System, entropy: Expr, G: Matrix) -> DampingVector:
     Raises:
         ParameterError: $G\nabla H$ is not zero, or G has a negative eigenvalue.
     """
-    from sympy import Matrix
+    from sympy import Add, Matrix
 
-    h, s = (Matrix(system.bracket.gradient(f)) for f in (system.hamiltonian, entropy))
+    h, s = (system.bracket.gradient(f) for f in (system.hamiltonian, entropy))
+    rows: list[list[Any]] = G.tolist()
     degenerate: Known = "proved"
-    for name, left, row in zip(system.component_names, G * h, G.tolist(), strict=True):
+    for name, row in zip(system.component_names, rows, strict=True):
+        products = [entry * slope for entry, slope in zip(row, h, strict=True)]
+        left: Any = Add(*products)
         if is_zero(left):
             continue
-        products = [entry * slope for entry, slope in zip(row, h, strict=True)]
         if left.is_rational_function(*left.free_symbols) or not _vanishes_at_points(products, system):
             raise ParameterError(
                 f"matrix: wanted a symmetric bracket G with G grad H = 0, so that H is kept; component {name} of "
@@ -131,9 +133,9 @@ def of_matrix(system: System, entropy: Expr, G: Matrix) -> DampingVector:
                 "derived"
             )
         degenerate = "sampled"
-    product: Any = G * s
+    product: Any = G * Matrix(s)
     definite = refused_if_negative(semidefinite(G, system.variables), "matrix")
-    return DampingVector(tuple(product), s.dot(product), definite, degenerate)
+    return DampingVector(tuple(product), Matrix(s).dot(product), definite, degenerate)
 
 
 def killing_metric(bracket: Bracket, *, on_velocities: bool) -> Matrix:
