@@ -478,3 +478,16 @@ def test_what_needs_a_lie_algebra_is_refused_with_a_sentence(what):
 def test_methods_that_need_structure_constants_are_refused(call):
     with pytest.raises(BracketError, match="given by formulas"):
         getattr(tensor("x y z", CYCLE), call)()
+
+
+def test_roots_of_squares_are_not_tried():
+    """Of sqrt((x - 5)^2), which is 5 - x where points lie, no identity beyond x = 5 is known."""
+    broken = {("x", "y"): "z", ("y", "z"): "x", ("z", "x"): "y + x*y*(sqrt((x - 5)^2) + x - 5)"}
+    with pytest.raises(ParameterError, match=r"without roots of squares.*got sqrt\(\(x - 5\)\*\*2\)"):
+        tensor("x y z", broken)
+    sphere = tensor("x y z", {("x", "y"): "z", ("y", "z"): "x", ("z", "x"): "y"})
+    with pytest.raises(ParameterError, match="without roots of squares"):
+        sphere.is_casimir("x^2 + y^2 + z^2 + sqrt((x - 5)^2) + x - 5")
+    assert sphere.is_casimir("sqrt(x^2 + y^2 + z^2)")
+    times_a_size = {("x", "y"): "z*sqrt(y^2)", ("y", "z"): "x*sqrt(y^2)", ("z", "x"): "y*sqrt(y^2)"}
+    assert tensor("x y z", times_a_size).jacobi == "proved"  # for both signs

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.names import ELEMENTARY_FUNCTIONS
 
@@ -38,6 +39,28 @@ def vanishes_at(terms: Iterable[Expr], point: Mapping[Any, Any]) -> bool | None:
     values, sizes, digits = found
     with mp.workdps(digits):
         return bool(abs(sum(values)) <= round_off(digits) * sum(sizes))
+
+
+def refuse_sizes(functions: Iterable[Any], name: str) -> None:
+    r"""Refuse $\sqrt{p^2} = |p|$ among functions that are tried at points, which do not tell of the other sign of p.
+
+    Raises:
+        ParameterError: a root of even order has a base with a factor of even multiplicity.
+    """
+    from sympy import PolynomialError, Pow, sqf_list
+
+    roots = {e for f in functions for e in f.atoms(Pow) if e.exp.is_Rational and e.exp.q % 2 == 0}
+    for root in sorted(roots, key=str):
+        checkpoint("roots of squares")
+        try:
+            factors = [factor for part in root.base.as_numer_denom() for factor in sqf_list(part)[1]]
+        except PolynomialError:
+            continue
+        if any(multiplicity % 2 == 0 and factor.free_symbols for factor, multiplicity in factors):
+            raise ParameterError(
+                f"{name}: wanted functions without roots of squares, since what is tried where sqrt(p^2) is p is not "
+                f"known where it is -p; got {root!s:.60}; write it without the root"
+            )
 
 
 def round_off(digits: int) -> Any:

@@ -29,7 +29,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.decimals import vanishes_at
+from liepoisson.algebra.decimals import refuse_sizes, vanishes_at
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.damping.symmetric_forms import Known, Sign, points, semidefinite
 from liepoisson.errors import BracketError, ParameterError
@@ -193,4 +193,7 @@ def _vanishes_at_points(products: Sequence[Expr], system: System) -> bool:
     if any(product.free_symbols - {*system.variables} for product in products):
         return False
     found = [vanishes_at(products, point) for point in points(system.variables)]
-    return True in found and False not in found
+    if True not in found or False in found:
+        return False
+    refuse_sizes(products, "matrix")
+    return True

@@ -18,7 +18,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.decimals import decimals, round_off, vanishes_at
+from liepoisson.algebra.decimals import decimals, refuse_sizes, round_off, vanishes_at
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank, rank_mod
 from liepoisson.errors import ParameterError
@@ -153,7 +153,7 @@ class TensorEntries:
         over.
 
         Raises:
-            ParameterError: they are defined at none of the points.
+            ParameterError: they are defined at none of the points, or contain roots of squares.
         """
         from sympy import Add
 
@@ -171,6 +171,7 @@ class TensorEntries:
                 "coordinates and parameters lie between 0 and 1 and the Jacobi identity is tried; these are not. Move "
                 "the coordinates, or give check=False."
             )
+        refuse_sizes(products, "the entries of a Poisson tensor")
         return None
 
     def _cyclic(self, triple: Triple) -> Iterator[tuple[Expr, Expr]]:
