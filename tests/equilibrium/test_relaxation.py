@@ -186,6 +186,7 @@ def test_the_figure_shows_the_energy_above_the_equilibrium():
 WRONG = {
     "metriplectic": (lambda: relax(lp.dissipation.metriplectic(EULER, "C1"), [1, 1, 1]), "metriplectic"),
     "no damping": (lambda: relax(lp.dissipation.double_bracket(EULER, 0), [1, 1, 1]), "rate 0"),
+    "no metric": (lambda: relax(lp.dissipation.double_bracket(EULER, 1, metric=[0, 0, 0]), [1, 1, 1]), "is 0"),
     "no system": (lambda: relax(lp.VectorField({"x": "-x"}), [1]), "wanted a system"),
     "many states": (lambda: relax(EULER, np.eye(3)), "wanted one state"),
     "no integral": (lambda: relax(HEAVY, START, along={"l1": 1}), "not constant"),

@@ -229,6 +229,8 @@ def _undamped(system: Any) -> System:
         )
     if not system.rate:
         raise ParameterError(f"system: wanted one that is damped; {system.name} has the rate 0; give a positive one")
+    if not any(cast("Any", system.metric)):
+        raise ParameterError(f"system: wanted one that is damped; the metric of {system.name} is 0; leave metric out")
     return as_system(system.undamped)
 
 
