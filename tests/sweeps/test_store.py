@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import liepoisson as lp
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.io.files import exclusive
 from liepoisson.sweeps.run import sweep
@@ -128,6 +129,7 @@ def test_damaged_pieces_are_computed_anew(path, right, damage, name):
     (path / "level0" / "seconds" / "0").write_bytes(b"")  # which is no reason to refuse
     damage(path / "level0" / name / "2.0")
     (path / "level0" / name / "4.0").unlink()
+    assert "(4 not computed; 1 piece of the store damaged)" in repr(lp.load(path))
     result = sweep(**SPEC, store=path)
     assert (result.n_damaged, result.n_reused, result.reports[0].n_pieces) == (1, 8, 2)
     np.testing.assert_array_equal(result.value, right)

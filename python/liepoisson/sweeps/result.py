@@ -68,7 +68,7 @@ class Sweep(Result):
         held: What is the same at all points, in words.
         reports: How the pieces of each level went.
         n_reused: Points that were read from the store.
-        n_damaged: Pieces of the store that were damaged and computed anew.
+        n_damaged: Pieces of the store that were damaged, which a sweep computes anew and `liepoisson.load` leaves out.
         store: The folder with the results, or None.
     """
 
@@ -346,7 +346,8 @@ class Sweep(Result):
     def __repr__(self) -> str:
         axes = " x ".join(f"{axis.name} ({len(axis.values)})" for axis in self.spec.axes)
         n_missing = int((self.outcome_code == NOT_COMPUTED).any(axis=1).sum())
-        missing = f" ({n_missing} not computed)" if n_missing else ""
+        damaged = f"; {counted(self.n_damaged, 'piece')} of the store damaged" if self.n_damaged else ""
+        missing = f" ({n_missing} not computed{damaged})" if n_missing else ""
         return (
             f"<Sweep over {axes}: {counted(len(self.points), 'point')}{missing}, "
             f"{counted(self.spec.n_starts, 'orbit')} each, t = {self.spec.t_end:g}>"
