@@ -22,6 +22,9 @@ _DIGITS, _LOST = 50, 20
 _MOST_DIGITS = 10_000
 """A point that needs more is passed over like a pole; exponents in formulas have at most three digits."""
 
+HAVE_VALUES = f"be defined, and not beyond 10^({_MOST_DIGITS // 2}) or its inverse,"
+"""What functions must do at the points where they are tried, in messages."""
+
 
 def vanishes_at(terms: Iterable[Expr], point: Mapping[Any, Any]) -> bool | None:
     """Whether a sum counts as zero at a point; None where a term is not finite.
@@ -39,6 +42,16 @@ def vanishes_at(terms: Iterable[Expr], point: Mapping[Any, Any]) -> bool | None:
     values, sizes, digits = found
     with mp.workdps(digits):
         return bool(abs(sum(values)) <= round_off(digits) * sum(sizes))
+
+
+def vanishes_at_all(terms: Iterable[Expr], points: Iterable[Mapping[Any, Any]]) -> bool | None:
+    """Whether a sum counts as zero at all points where it has a value; None where it has none."""
+    listed, found = list(terms), None
+    for point in points:
+        if (vanishes := vanishes_at(listed, point)) is False:
+            return False
+        found = found or vanishes
+    return found
 
 
 def refuse_sizes(functions: Iterable[Any], name: str) -> None:

@@ -29,7 +29,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.decimals import refuse_sizes, vanishes_at
+from liepoisson.algebra.decimals import refuse_sizes, vanishes_at_all
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.damping.symmetric_forms import Known, Sign, points, semidefinite
 from liepoisson.errors import BracketError, ParameterError
@@ -192,8 +192,7 @@ def _vanishes_at_points(products: Sequence[Expr], system: System) -> bool:
     """Whether a sum is round-off beside its terms at all points where it has a value, of which there must be one."""
     if any(product.free_symbols - {*system.variables} for product in products):
         return False
-    found = [vanishes_at(products, point) for point in points(system.variables)]
-    if True not in found or False in found:
+    if not vanishes_at_all(products, points(system.variables)):
         return False
     refuse_sizes(products, "matrix")
     return True

@@ -290,14 +290,14 @@ def check_lines(spectrum: Spectrum) -> list[str]:
     counts = sorted(set(structure.n_zeros[finished].tolist()))
     within, zeros = residuals.zeros_below_threshold[finished], residuals.zeros[finished]
     claim = f"structural zeros: {' or '.join(map(str, counts))} of {len(spectrum.components)}"
-    if np.isfinite(zeros).any() and not np.isfinite(residuals.zero_threshold[finished]).any():
-        lines.append(f"{claim}, at most {_largest(zeros):.1e}; the natural time T of the orbit is not known")
-    elif np.isfinite(zeros).any():
-        threshold = _interval(residuals.zero_threshold[finished])
-        lines.append(
-            f"{claim}, at most {_largest(zeros):.1e}; below 3 ln(t/T) / t = {threshold} for "
-            f"{int(np.sum(within == 1.0))} of {int(finished.sum())} trajectories (smaller faults are not seen)"
-        )
+    if np.isfinite(zeros).any():
+        below = "the natural time T of the orbit is not known"
+        if np.isfinite(threshold := residuals.zero_threshold[finished]).any():
+            below = (
+                f"below 3 ln(t/T) / t = {_interval(threshold)} for {int(np.sum(within == 1.0))} of "
+                f"{int(finished.sum())} trajectories (smaller faults are not seen)"
+            )
+        lines.append(f"{claim}, at most {_largest(zeros):.1e}; {below}")
     lines.append("assumed: the ranks of J and of the gradients at the start stay the same along the orbits")
     return lines + _ratio_line(spectrum)
 

@@ -14,7 +14,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.decimals import refuse_sizes, vanishes_at
+from liepoisson.algebra.decimals import HAVE_VALUES, refuse_sizes, vanishes_at
 from liepoisson.algebra.function_fields import RationalFunctions
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.formula.expression import read_expression
@@ -175,9 +175,8 @@ def _tried(bracket: Bracket, function: Expr, rows: Sequence[tuple[int, list[tupl
                 return CasimirCertificate(function, False, False, found, "not zero at a random point, in decimals")
     if not tried:
         raise ParameterError(
-            f"a function that cannot be decided must be defined, and not beyond 10^(5000) or its inverse, where "
-            f"coordinates lie between -1 and 1 and it is tried; got {function!s:.60}, which is at none of {N_POINTS} "
-            "points there. Move the coordinates."
+            f"a function that cannot be decided must {HAVE_VALUES} where coordinates lie between -1 and 1 and it is "
+            f"tried; got {function!s:.60}, which is at none of {N_POINTS} points there. Move the coordinates."
         )
     refuse_sizes([term for _, terms in products for term in terms], "a function that cannot be decided")
     return CasimirCertificate(function, True, False, {}, f"tried at {tried} random points, in decimals")

@@ -18,7 +18,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.decimals import decimals, refuse_sizes, round_off, vanishes_at
+from liepoisson.algebra.decimals import HAVE_VALUES, decimals, refuse_sizes, round_off, vanishes_at_all
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank, rank_mod
 from liepoisson.errors import ParameterError
@@ -158,19 +158,14 @@ class TensorEntries:
         from sympy import Add
 
         products: list[Any] = [cast("Any", first) * second for first, second in self._cyclic(triple)]
-        tried = 0
-        for point in self.points():
-            if (vanishes := vanishes_at(products, point)) is None:
-                continue
-            tried += 1
-            if not vanishes:
-                return Add(*products)
-        if not tried:
+        vanishes = vanishes_at_all(products, self.points())
+        if vanishes is None:
             raise ParameterError(
-                "the entries of a Poisson tensor must be defined, and not beyond 10^(5000) or its inverse, where "
-                "coordinates and parameters lie between 0 and 1 and the Jacobi identity is tried; these are not. Move "
-                "the coordinates, or give check=False."
+                f"the entries of a Poisson tensor must {HAVE_VALUES} where coordinates and parameters lie between 0 "
+                "and 1 and the Jacobi identity is tried; these are not. Move the coordinates, or give check=False."
             )
+        if not vanishes:
+            return Add(*products)
         refuse_sizes(products, "the entries of a Poisson tensor")
         return None
 
@@ -297,8 +292,8 @@ class TensorEntries:
             if (found := decimals([e for *_, e in flat], point)) is not None:
                 return _numeric_rank(flat, found[0], found[2], len(rows), self.dimension)
         raise ParameterError(
-            "functions whose rank is tried must be defined, and not beyond 10^(5000) or its inverse, where coordinates "
-            "and parameters lie between 0 and 1; these are not. Move the coordinates."
+            f"functions whose rank is tried must {HAVE_VALUES} where coordinates and parameters lie between 0 and 1; "
+            "these are not. Move the coordinates."
         )
 
     def rank_at(self, point: Sequence[Exact]) -> int:
